@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from pydantic import AliasChoices, BaseModel
-from pydantic.fields import FieldInfo
 
 from calibdb.http.call import MAX_BODY_BYTES
 
@@ -132,39 +131,27 @@ def query_of(
 ) -> tuple[Node, ...]:
     """Generate the query parameters of a model.
 
-    Parameters
-    ----------
-    model
-        Model of the query.
-    descriptions
-        Texts by field, over those of the model's fields.
-    deprecated
-        Aliases that are listed as deprecated parameters. Other aliases are not listed.
-    body_only
-        Fields that a query cannot write.
+    `descriptions` replace those of its fields. `deprecated`: aliases that are listed as deprecated
+    parameters; others are not listed. `body_only`: fields that a query cannot write.
     """
     nodes = model.model_json_schema(by_alias=False)["properties"]
     parameters = []
     for name, info in model.model_fields.items():
         if name in body_only:
             continue
-        aliases = [alias for alias in _aliases(info) if alias in deprecated]
+        choices = info.validation_alias
+        known = choices.choices if isinstance(choices, AliasChoices) else ()
+        aliases = [str(alias) for alias in known if alias in deprecated]
         node = query(name, _as_text(nodes[name]), (descriptions or {}).get(name) or info.description or "")
         parameters.append(node | ({"required": True} if info.is_required() and not aliases else {}))
         parameters += [query(alias, node["schema"], _DEPRECATED) | {"deprecated": True} for alias in aliases]
     return tuple(parameters)
 
 
-def _aliases(info: FieldInfo) -> list[str]:
-    choices = info.validation_alias
-    return [str(choice) for choice in choices.choices] if isinstance(choices, AliasChoices) else []
-
-
 def _as_text(node: Node) -> Node:
     """Convert a field's JSON schema to that of its text in a query.
 
-    A flag is 0, 1, false or true. Two numbers are a size, as in 1280x720; of other lists commas separate the
-    numbers.
+    Two numbers are a size, as in 1280x720; commas separate the numbers of other lists.
     """
     merged = next((choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"), {}) | node
     if merged["type"] == "boolean":

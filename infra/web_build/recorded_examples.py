@@ -1,7 +1,6 @@
-"""Answers of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
+"""Responses of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
 
-A stack in memory gets five calibrations of one synthetic camera; then every example of `example_calls` is
-sent to it. `.build/examples.json` contains its responses. The OpenAPI document and the reference show them.
+A server in memory gets five calibrations of one synthetic camera, then every example of `example_calls`.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from infra.server.jobs import JobWorker
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import EXAMPLE_CAMERA, EXAMPLE_PLATFORM, OPERATIONS
+from infra.web_build.operations import OPERATIONS
 from infra.web_build.site import ROOT
 
 EXAMPLES = {operation.name: operation.example for operation in OPERATIONS}
@@ -45,10 +44,7 @@ _TRUTH = Camera(
 
 
 def prepare(stack: Server) -> None:
-    """Publish the calibrations by which the camera of the examples is reliably known.
-
-    Jobs run only here: nothing of the examples shows what they do.
-    """
+    """Publish the calibrations by which the camera of the examples is reliable. Jobs run only here."""
     for session in [record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
         send(stack, "POST", "/v1/session/finish", session)
     worker = JobWorker(stack.jobs)
@@ -64,22 +60,14 @@ def prepare(stack: Server) -> None:
 
 def record(stack: Server, seed: int) -> str:
     """Start a recorded session and submit its views; return its id."""
-    token = DEVELOPMENT_TOKEN
-    session: str = json.loads(send(stack, "POST", "/v1/auth", token))["session_id"]
-    started = {
-        "camera": EXAMPLE_CAMERA,
-        "platform": EXAMPLE_PLATFORM,
-        "img_size": IMG_SIZE,
-        "capture": "recorded",
-    }
-    send(stack, "POST", "/v1/session", session, started)
+    session = start(stack, {"capture": "recorded"})
     views = [{"ids": ids, "points": points} for ids, points in _views(seed)]
     send(stack, "POST", "/v1/session/batch", session, {"index": 0, "views": views})
     return session
 
 
 def prepare_call(stack: Server, name: str, values: dict[str, str]) -> None:
-    """Make what the example of a call wants: a recorded session, one without views, or a whole rig."""
+    """Make the session or the rig that the example of a call requires."""
     match name:
         case "submitViews":
             values["SESSION_ID"] = start(stack, {"capture": "recorded"})
@@ -155,7 +143,6 @@ def _views(
 
 @functools.cache
 def _poses() -> tuple[TargetPose, ...]:
-    """Return the first poses of the fixed plan for the default board."""
     return fixed_plan(Board(), IMG_SIZE)[:_VIEWS]
 
 
@@ -175,7 +162,7 @@ def examples() -> dict[str, Any]:
 
 
 def text() -> str:
-    """Return the file's content. Its tokens were those of a stack in memory, which is gone."""
+    """Return the file's content. Its tokens were those of a server in memory, which is gone."""
     return json.dumps(_shorten(examples()), indent=1, ensure_ascii=False) + "\n"
 
 

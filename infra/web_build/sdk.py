@@ -31,14 +31,9 @@ VERSIONED = re.compile(r"sdk/\d+\.\d+\.\d+[^/]*/")
 _ARCHIVE = "calibdb.tgz"
 _API = '"../v1"'  # from the folder of the files to the service's API
 _TYPESCRIPT = (
-    "--ignoreConfig",
-    "--allowJs",
-    "--checkJs",
-    "--declaration",
-    "--emitDeclarationOnly",
-    "--strict",
+    *("--ignoreConfig", "--allowJs", "--checkJs", "--declaration", "--emitDeclarationOnly", "--strict"),
+    *("--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler", "--types", ""),
 )
-_TARGET = ("--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler", "--types", "")
 _MAX_BUILD_S = 120
 
 
@@ -58,7 +53,7 @@ def sdk_package(web: Path, version: str) -> bytes:
 
 
 def sdk_version(web: Path) -> str:
-    """Return the name of the version, 0.2.0 of a release and 0.2.0-dev.1f0c7a3e of anything else."""
+    """Name the version: 0.2.0 of a release, 0.2.0-dev.1f0c7a3e of anything else."""
     return _version(_sources(web))
 
 
@@ -133,10 +128,9 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
         f"{at}{name}": _move_module(name, content) for name, content in files.items() if name.endswith(".js")
     }
     packed = _package(files, version)
-    newest = {
-        f"{SDK_FOLDER}{name}": content for name, content in (("integrity.json", facts), (_ARCHIVE, packed))
-    }
-    return modules | {f"{at}{_ARCHIVE}": packed, f"{at}integrity.json": facts} | newest
+    for folder in (at, SDK_FOLDER):
+        modules |= {f"{folder}{_ARCHIVE}": packed, f"{folder}integrity.json": facts}
+    return modules
 
 
 def _package(sources: Mapping[str, bytes], version: str) -> bytes:
@@ -177,7 +171,7 @@ def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
         modules = [str(folder / path) for path in sources if path.endswith(".js")]
-        command = [npx, "--no-install", "tsc", *modules, *_TYPESCRIPT, *_TARGET]
+        command = [npx, "--no-install", "tsc", *modules, *_TYPESCRIPT]
         done = subprocess.run(  # noqa: S603
             [*command, "--outDir", str(folder / "types"), "--rootDir", name],
             cwd=ROOT,

@@ -1,10 +1,9 @@
 """The static site as served and deployed: files made of their sources, the rest as it lies in `web/`.
 
-A page is an HTML file of `web/`, or of a generator (`_generators`). Texts of the message catalogs are only
-there, English ones also. `site.mjs` puts them in, and makes such pages in every language: `board/index.html`
-is also `de/board/index.html`. It gives all pages the same header, footer, skip link and preloads, and puts in
-the parts that several pages share (`parts/`). A page that is not there yet is left out of the navigation.
-Scripts and styles lose their comments and indentation.
+A page is an HTML file of `web/`, of the documentation or of the examples. `site.mjs` fills in the texts of
+the message catalogs, and makes such pages in every language: `board/index.html` is also
+`de/board/index.html`. It gives all pages the same header, footer, skip link and preloads, and fills in the
+parts that several pages share (`parts/`). Scripts and styles lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 
@@ -23,7 +22,8 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -43,21 +43,8 @@ _ANY_ORIGIN = "https://origin.invalid"
 _ANY_CONTACTS = {name: f"https://{name}.invalid" for name in ("contact", "imprint")}
 _MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
-# Not pages, though HTML or full of files.
-_SKIPPED = ("vendor/",)
 _MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
 _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
-
-Generator = Callable[[Path], Mapping[str, str]]
-"""Makes page sources, by key ("docs/api/index.html"), and texts that they load, of a client's folder."""
-
-
-def _generators() -> tuple[Generator, ...]:
-    """Those of pages that are not written by hand. Loaded here, because built pages need none."""
-    from infra.web_build.docs import build
-    from infra.web_build.docs.example_pages import example_pages
-
-    return build.pages, example_pages
 
 
 class SiteError(RuntimeError):
@@ -66,7 +53,7 @@ class SiteError(RuntimeError):
 
 @dataclass(frozen=True)
 class Options:
-    """Facts about a deployment that its pages tell.
+    """Facts about a deployment that its pages contain.
 
     `origin`: "https://calibdb.example"; without it, addresses for search engines are from the root.
     `contacts`: addresses under "contact" and "imprint" for the footer.
@@ -79,12 +66,7 @@ class Options:
 def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, bytes]:
     """Make all files that are made, or take those made of the same sources before: key → content.
 
-    A folder without message catalogues is not our client; nothing is built from it.
-
-    Raises
-    ------
-    SiteError
-        If a file cannot be made.
+    Nothing is made of a folder without message catalogs. Raises SiteError.
     """
     options = options or Options()
     if not (MADE_FILES.is_dir() or (web / "messages").is_dir()):
@@ -122,13 +104,12 @@ def _files_of_wheel() -> dict[str, bytes]:
 
 
 def _sources(web: Path, generated: Mapping[str, str]) -> dict[str, str]:
-    """Return the source of every page: key → HTML."""
     written = {
         path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted(web.rglob("*.html"))
     }
     pages = {key: text for key, text in generated.items() if key.endswith(".html")} | written
-    return {key: text for key, text in pages.items() if not key.startswith(_SKIPPED)}
+    return {key: text for key, text in pages.items() if not key.startswith("vendor/")}
 
 
 @lru_cache(maxsize=8)
@@ -144,9 +125,14 @@ def _make_files(web: Path, state: str) -> Mapping[str, bytes]:
 
 
 def _build(web: Path) -> dict[str, str]:
+    # Here: built pages need none of them, and the models take their time.
+    from infra.web_build import openapi
+    from infra.web_build.docs import build
+    from infra.web_build.docs.example_pages import example_pages
+
     source = _repository()
     contacts = _ANY_CONTACTS | ({"source": source} if source else {})
-    generated = {key: text for generate in _generators() for key, text in generate(web).items()}
+    generated = {**build.pages(web), **example_pages(web)}
     task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "contacts": contacts}
     node = shutil.which("node")
     if node is None:
@@ -164,44 +150,36 @@ def _build(web: Path) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    from infra.web_build import openapi  # here: the models take their time
-
     others = {key: text for key, text in generated.items() if not key.endswith(".html")}
     return others | files | openapi.files()
 
 
 def _repository() -> str | None:
-    """Address of the source code, where the project says one."""
+    """Address of the source code, if the project states one."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    named = {name.lower(): address for name, address in project.get("urls", {}).items()}
-    return named.get("repository") or named.get("source")
+    address: str | None = project.get("urls", {}).get("Repository")
+    return address
 
 
 def _keep(place: Path, made: Mapping[str, str]) -> None:
-    """Write what was made where other processes find it, whole or not at all; leave only the newest."""
+    """Write a file for other processes, whole or not at all; keep only the newest."""
     place.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
         json.dump(made, file)
     Path(file.name).replace(place)
-    cache_files = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
-    for old in cache_files[_MAX_CACHED:]:
-        old.unlink(missing_ok=True)
-
-
-def _age(path: Path) -> int:
-    try:
-        return path.stat().st_mtime_ns
-    except OSError:  # another process took it away
-        return 0
+    with suppress(FileNotFoundError):  # another process removes old ones too
+        oldest_first = sorted(place.parent.glob("*.json"), key=lambda path: path.stat().st_mtime_ns)
+        for old in oldest_first[:-_MAX_CACHED]:
+            old.unlink()
 
 
 def _state(web: Path) -> str:
-    """Name the sources' present state: any change of a file that pages are made of changes it."""
+    """Digest of the sources' paths, times and sizes."""
     whole = hashlib.sha256(str(web).encode())
     for path in _inputs(web):
         try:
             status = Path(path).stat()
-        except FileNotFoundError:  # not there, or taken away meanwhile
+        except FileNotFoundError:
             continue
         whole.update(f"{path}\0{status.st_mtime_ns}\0{status.st_size}\0".encode())
     return whole.hexdigest()

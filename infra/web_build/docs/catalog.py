@@ -15,16 +15,8 @@ FOLDER = "docs/"
 class Entry:
     """One document.
 
-    Attributes
-    ----------
-    source
-        Its path in the repository; None: a page that is made otherwise.
-    slug
-        Its folder under `/docs/`.
-    name, summary
-        In the navigation, and on the page of all documents.
-    uses_service
-        True if its code is for this service: the page fills in the site's address and the visitor's token.
+    `source`: path in the repository, None if the page is made otherwise. `slug`: folder under `/docs/`.
+    `uses_service`: the page fills the site's address and the visitor's token into its code.
     """
 
     source: str | None
@@ -144,19 +136,9 @@ def address(from_key: str, to_key: str) -> str:
 
 
 def target_key(source: str, target: str) -> tuple[str, str] | None:
-    """Find what a link of a document leads to on the site.
+    """Find the target on the site of a link in the document `source`, a path relative to that.
 
-    Parameters
-    ----------
-    source
-        Path of the document in the repository.
-    target
-        The link as it is written there: a path relative to the document.
-
-    Returns
-    -------
-    tuple[str, str] or None
-        Key of a file of the site, and anchor; None if the site does not have it.
+    Returns the key of a file, and the anchor; None if the site does not have it.
     """
     parts = urlsplit(target)
     path = posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path)) if parts.path else source

@@ -18,20 +18,10 @@ _SHARED = ("picture.js", "board.js")
 class Example:
     """One example.
 
-    Attributes
-    ----------
-    folder, name, heading, does
-        Folder, which the heading's text is named after; engine; heading; key of the line in the gallery.
-    has_virtual
-        True if the virtual camera can stand in.
-    lines, style
-        The lines that matter, and a style sheet that the engine needs.
-    demo
-        Content of the page; default: a camera's image with a scene over it.
-    sources
-        Scripts that the page shows, below the folder of examples.
-    lead
-        Key of the text below the heading.
+    `name`: the engine. `does`, `lead`: keys of the texts in the gallery and below the heading. `has_virtual`:
+    the virtual camera can stand in. `lines`: the code that matters. `style`: style sheet of the engine.
+    `demo`: content of the page, by default a camera's image with a scene over it. `sources`: scripts that the
+    page shows, below the folder of examples.
     """
 
     folder: str
@@ -203,7 +193,6 @@ def _page(web: Path, example: Example) -> str:
 
 
 def _camera_demo(example: Example) -> str:
-    """Write a camera's picture with a scene over it."""
     virtually = (
         '\n          <a class="button" id="virtually" href="?virtual=1" '
         'data-t="examples.virtual">Try the simulated camera</a>'

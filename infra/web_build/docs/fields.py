@@ -32,17 +32,7 @@ class Row:
 
 
 def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int = 0) -> Iterator[Row]:
-    """Yield the fields of an object, each followed by its members.
-
-    Parameters
-    ----------
-    schema
-        JSON schema of the object, or a reference.
-    schemas
-        Schemas by the names in references.
-    prefix, depth
-        Path of the object, and how deep it lies.
-    """
+    """Yield the fields of an object, each followed by its members; `schemas`: by the names in references."""
     whole = resolve(schema, schemas)
     needed = set(whole.get("required", ()))
     for name, node in whole.get("properties", {}).items():

@@ -28,20 +28,8 @@ def page(
 ) -> str:
     """Make a page.
 
-    Parameters
-    ----------
-    key
-        Its path in the site.
-    title, description
-        Title and description of the document.
-    body
-        HTML of the document, without its title.
-    headings
-        Headings of the document, for its contents.
-    scripts
-        Keys of modules besides `docs/docs.js`.
-    uses_service
-        True if its code is for this service.
+    `body`: HTML without the title. `headings`: for the contents. `scripts`: keys of modules besides
+    `docs/docs.js`. `uses_service`: as in `Entry`.
     """
 
     def at(name: str) -> str:

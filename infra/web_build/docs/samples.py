@@ -127,12 +127,7 @@ _MARKS = {SITE: "origin", TOKEN: "token"}
 def fill(html: str) -> str:
     """Mark the places in blocks of code that the page fills in: the site's address and the visitor's token.
 
-    Colours may not lie across them.
-
-    Raises
-    ------
-    ValueError
-        If a block has an address that begins otherwise, which would stay as it is.
+    Raises ValueError if an address begins otherwise, or is cut by colours.
     """
     parts = html.split("<pre")
     for index, part in enumerate(parts[1:], 1):
