@@ -16,7 +16,6 @@ from infra.deploy.site import Upload
 SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET")
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
-_MAX_KEYS = 3  # of one list: the one in use, the next, the one before
 _INLINE = ("Probe", "CutoffFunction")  # their code stands in the template: they belong to no release
 FUNCTION, ALIAS = "AWS::Lambda::Function", "AWS::Lambda::Alias"
 UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
@@ -58,20 +57,20 @@ def make_secrets(ssm: Any, stack: str) -> list[str]:
     for name in missing:
         if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
             keys = _read(ssm, stack, "EDGE_SECRETS")[:1]
-        elif name == "EDGE_SECRETS" and _READ_BY_CLOUDFORMATION not in missing:
-            keys = [*_read(ssm, stack, _READ_BY_CLOUDFORMATION), secrets.token_hex(32)]
         else:
             keys = [secrets.token_hex(32) for _ in range(1 if name == "CONTRIBUTOR_SECRET" else 2)]
         _write(ssm, stack, name, keys, overwrite=False)
     return missing
 
 
-def rotate(ssm: Any, stack: str) -> None:
-    """Let the next key sign, keep the previous one, add a new next one.
+def rotate(ssm: Any, stack: str, name: str = "SESSION_SECRETS") -> list[str]:
+    """Let the next key sign, keep the previous one, add a new next one; return the keys.
 
     Every function knows the next key before it signs: they learn of a rotation within five minutes.
     """
-    _rotate(ssm, stack, "SESSION_SECRETS")
+    keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
+    _write(ssm, stack, name, keys, overwrite=True)
+    return keys
 
 
 def rotate_edge(ssm: Any, stack: str) -> int:
@@ -79,7 +78,7 @@ def rotate_edge(ssm: Any, stack: str) -> int:
 
     CloudFront reads it only when its distribution changes. Until then functions accept the previous one.
     """
-    _write(ssm, stack, _READ_BY_CLOUDFORMATION, _rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
+    _write(ssm, stack, _READ_BY_CLOUDFORMATION, rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
     return edge_secret_version(ssm, stack)
 
 
@@ -107,12 +106,6 @@ def set_parameter(cloudformation: Any, stack: str, name: str, value: str) -> Non
     cloudformation.get_waiter("stack_update_complete").wait(StackName=stack)
 
 
-def _rotate(ssm: Any, stack: str, name: str) -> list[str]:
-    keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
-    _write(ssm, stack, name, keys, overwrite=True)
-    return keys
-
-
 def _read(ssm: Any, stack: str, name: str) -> list[str]:
     response = ssm.get_parameter(Name=f"/calibdb/{stack}/{name}", WithDecryption=True)
     value: str = response["Parameter"]["Value"]
@@ -130,14 +123,14 @@ def _write(ssm: Any, stack: str, name: str, keys: list[str], *, overwrite: bool)
 
 def rotate_keys(keys: list[str], new: str) -> list[str]:
     """Rotate `current, next, before` to `next, new, current`."""
-    current, following = keys[0], keys[1] if len(keys) > 1 else None
-    return ([following, new, current] if following else [current, new])[:_MAX_KEYS]
+    current, *following = keys[:2]
+    return [*following, new, current] if following else [current, new]
 
 
-def outputs(cloudformation: Any, stack: str) -> dict[str, str]:
+def outputs(cloudformation: Any, stack: str) -> Mapping[str, str]:
     """Read the stack's outputs by name."""
     description = describe(cloudformation, stack)
-    return dict(description.outputs) if description else {}
+    return description.outputs if description else {}
 
 
 def physical_id(cloudformation: Any, stack: str, name: str) -> str:
@@ -187,9 +180,11 @@ def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[
         earlier = max((n for n in versions(lambda_, function) if n < current), default=None)
         if earlier is None:
             continue
-        routing: dict[str, Any] = {"AdditionalVersionWeights": {}}
         lambda_.update_alias(
-            FunctionName=function, Name=name, FunctionVersion=str(earlier), RoutingConfig=routing
+            FunctionName=function,
+            Name=name,
+            FunctionVersion=str(earlier),
+            RoutingConfig={"AdditionalVersionWeights": {}},
         )
         moved[function] = str(current), str(earlier)
     return moved
@@ -198,17 +193,11 @@ def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[
 def failures(cloudformation: Any, stack: str) -> list[str]:
     """Read why resources of the newest stack of this name failed, also of one that was deleted since."""
     try:
-        summaries = [
-            s
-            for page in cloudformation.get_paginator("list_stacks").paginate()
-            for s in page["StackSummaries"]
-            if s["StackName"] == stack
-        ]
-        newest = max(summaries, key=lambda s: s["CreationTime"], default=None)
-        events = (
-            cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"] if newest else []
-        )
-    except (ClientError, BotoCoreError):
+        pages = cloudformation.get_paginator("list_stacks").paginate()
+        named = [s for page in pages for s in page["StackSummaries"] if s["StackName"] == stack]
+        newest = max(named, key=lambda s: s["CreationTime"])
+        events = cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"]
+    except (ClientError, BotoCoreError, ValueError):
         return []  # the command itself said more
     return [
         f"{e['LogicalResourceId']}: {e.get('ResourceStatusReason', '')}"

@@ -10,6 +10,7 @@ import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from typing import Any
 
 import boto3
 
@@ -51,8 +52,17 @@ def find_out(target: Target) -> Target:
     return replace(target, exists=True, site=f"https://{host}" if host else None)
 
 
+def _client(service: str, target: Target) -> Any:
+    make: Any = boto3.client  # whose types know only literal names
+    return make(service, target.region)
+
+
+def _outputs(target: Target) -> Mapping[str, str]:
+    return aws.outputs(_client("cloudformation", target), target.stack)
+
+
 def _describe(target: Target) -> aws.Stack | None:
-    return aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    return aws.describe(_client("cloudformation", target), target.stack)
 
 
 def _do(step: Step, target: Target, source: Template) -> None:
@@ -72,27 +82,27 @@ def _do(step: Step, target: Target, source: Template) -> None:
         case "package":
             print(f"   release {_package(target, source)}")
         case "secrets":
-            aws.make_secrets(boto3.client("ssm", region), stack)
+            aws.make_secrets(_client("ssm", target), stack)
         case "upload":
             if (described := _describe(target)) is None:
                 raise DeployError(f"there is no stack {stack}")
             made, stack_parameters = described.outputs, described.parameters
-            s3, bucket = boto3.client("s3", region), made["WebBucketName"]
+            s3, bucket = _client("s3", target), made["WebBucketName"]
             token = page_token.current_token(made, region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
-                page_token.give_canary(made, region, boto3.client("ssm", region), stack)
+                page_token.give_canary(made, region, _client("ssm", target), stack)
             settings = public_settings("/v1", token, stack_parameters)
             contact = made.get("SecurityContact") or stack_parameters.get("OperatorContact")
             options = Options(made["SiteUrl"], contacts(stack_parameters))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
-            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            made = _outputs(target)
             aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
         case "protect":
-            aws.protect(boto3.client("cloudformation", region), boto3.client("dynamodb", region), stack)
+            aws.protect(_client("cloudformation", target), _client("dynamodb", target), stack)
         case "prune":
-            clients = {name: boto3.client(name, region) for name in ("cloudformation", "lambda", "s3")}
+            clients = {name: _client(name, target) for name in ("cloudformation", "lambda", "s3")}
             versions, artifacts = prune(clients, stack, datetime.now(UTC))
             print(f"   {versions} versions, {artifacts} artifacts")
         case "smoke":
@@ -120,15 +130,15 @@ def _package(target: Target, source: Template) -> str:
 
 def _smoke(target: Target, source: Template) -> Iterator[str]:
     region, stack = target.region, target.stack
-    cloudformation, lambda_ = boto3.client("cloudformation", region), boto3.client("lambda", region)
-    made = aws.outputs(cloudformation, stack)
+    cloudformation, lambda_ = _client("cloudformation", target), _client("lambda", target)
+    made = _outputs(target)
     site = smoke.Site(made["SiteUrl"], made["DistributionDomain"])
     yield from smoke.unreleased(aws.releases(cloudformation, lambda_, stack), release(target, source))
     yield from smoke.problems(smoke.make_requester(site.url, site.distribution), site)
     # Pages of other origins may use the API's own address, where the edge answers no preflights.
     at_api = smoke.make_requester(made["ApiUrl"].removesuffix("/v1"))
     yield from (f"{made['ApiUrl']}: {problem}" for problem in smoke.preflight_problems(at_api, "/v1/lookup"))
-    settings = aws.settings(boto3.client("s3", region), made["WebBucketName"]) or {}
+    settings = aws.settings(_client("s3", target), made["WebBucketName"]) or {}
     refit = aws.physical_id(cloudformation, stack, "RefitFunction")
     remove = functools.partial(smoke_capture.remove, made, region, refit)
     yield from smoke_capture.problems(site, settings.get("token", ""), remove)
@@ -139,10 +149,10 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
     values: dict[str, str] = {}
     text = "".join(parameters.values())
     if "{SiteUrl}" in text:
-        made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
+        made = _outputs(target)
         values["{SiteUrl}"] = made["SiteUrl"]
     if "{EdgeSecretVersion}" in text:
-        version = aws.edge_secret_version(boto3.client("ssm", target.region), target.stack)
+        version = aws.edge_secret_version(_client("ssm", target), target.stack)
         values["{EdgeSecretVersion}"] = str(version)
     filled = dict(parameters)
     for place, value in values.items():
@@ -164,6 +174,6 @@ def _run(command: Sequence[str], target: Target) -> None:
     if done.returncode:
         said = f"{shlex.join(command)} failed"
         if command[1:2] == ["deploy"]:
-            events = aws.failures(boto3.client("cloudformation", target.region), target.stack)
+            events = aws.failures(_client("cloudformation", target), target.stack)
             said = "\n".join([said, *account_check.explain(events)])
         raise DeployError(said)

@@ -9,13 +9,8 @@ import yaml
 
 
 def parse(path: Path) -> dict[str, Any]:
-    """Parse a template file."""
-    return parse_text(path.read_text(encoding="utf-8"))
-
-
-def parse_text(template: str) -> dict[str, Any]:
     """Parse a template."""
-    document: dict[str, Any] = yaml.load(template, Loader=_Loader)  # noqa: S506
+    document: dict[str, Any] = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506
     return document
 
 

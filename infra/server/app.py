@@ -47,18 +47,10 @@ _access = logging.getLogger("infra.server.access")
 
 @dataclass(frozen=True)
 class Public:
-    """Callers that may reach the server, and its name; by default this machine only.
+    """Callers that may reach the server, and its name; by default this machine only."""
 
-    Attributes
-    ----------
-    url
-        Address of the site for everyone, "https://calibdb.example"; None: this machine only.
-    proxies
-        Networks of the reverse proxies whose `X-Forwarded-For` is believed.
-    """
-
-    url: str | None = None
-    proxies: Sequence[str] = ()
+    url: str | None = None  # "https://calibdb.example"
+    proxies: Sequence[str] = ()  # networks of the reverse proxies whose `X-Forwarded-For` is believed
 
     def allows(self, host: str) -> bool:
         """True if the server answers to this `Host` header."""
@@ -71,25 +63,15 @@ def is_loopback(host: str) -> bool:
 
 
 class App:
-    """The application.
-
-    Parameters
-    ----------
-    site, dumps
-        Applications of the pages and of `/dumps/`.
-    workers
-        Threads of the API's endpoints.
-    public
-        Public address and trusted proxies; None: a private server.
-    """
+    """The application; `site`, `dumps`: those of the pages and of `/dumps/`."""
 
     def __init__(
-        self, site: ASGIApp, dumps: ASGIApp, workers: ThreadPoolExecutor, public: Public | None = None
+        self, site: ASGIApp, dumps: ASGIApp, workers: ThreadPoolExecutor, public: Public = Public()
     ) -> None:
         self._site = site
         self._dumps = dumps
         self._workers = workers
-        self._public = public or Public()
+        self._public = public
         self._routes: list[Route] = []
         for name in FUNCTIONS:
             self._routes += importlib.import_module(f"functions.{name}.app").handler.routes

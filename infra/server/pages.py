@@ -41,18 +41,8 @@ class Pages:
     """ASGI application of the site: GET and HEAD of the pages and files, `index.html` for folders.
 
     Pages are made again when one of their sources has changed, which is checked at most once per
-    `CHECK_INTERVAL_S`.
-
-    Parameters
-    ----------
-    folder
-        The static client.
-    settings
-        Content of `/config.json`.
-    options
-        Facts about the deployment that the pages contain.
-    with_head
-        Called with a result's page and `calibration_id`; returns the page with its title. Runs in a thread.
+    `CHECK_INTERVAL_S`. `settings`: content of `/config.json`. `with_head` is called in a thread with a
+    result's page and `calibration_id`, and returns the page with its title.
     """
 
     def __init__(

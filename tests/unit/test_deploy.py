@@ -208,15 +208,6 @@ def test_secrets_are_made_once() -> None:
 
 
 @pytest.mark.usefixtures("cloud")
-def test_stack_with_one_edge_secret_keeps_it() -> None:
-    """As stacks have it that were deployed before secrets of the edge could be rotated."""
-    ssm = boto3.client("ssm")
-    ssm.put_parameter(Name="/calibdb/one/EDGE_SECRET", Value="e" * 64, Type="String")
-    aws.make_secrets(ssm, "one")
-    assert values(ssm)["EDGE_SECRET"] == values(ssm)["EDGE_SECRETS"].split(",")[0] == "e" * 64
-
-
-@pytest.mark.usefixtures("cloud")
 def test_a_rotation_of_the_edge_loses_no_address() -> None:
     """Functions, the early and the late, take all that the edge sends until it learns of the rotation."""
     ssm = boto3.client("ssm")
