@@ -20,7 +20,7 @@ from infra.ops.context import OpsContext
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _MAX_FOCAL_RATIO = 1.1
 # Their quality is unknown: share of the image's width, about the error of an uninformed guess.
-UNKNOWN_ERROR = 0.05
+_UNKNOWN_ERROR = 0.05
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,23 @@ def guess(
     )
 
 
+def uncertain_fit(
+    model: str, size: tuple[int, int], matrix: object, distortion: object, rms: float = 0.0
+) -> FitRecord:
+    """Make a fit of unknown accuracy; raises ValidationError."""
+    off = _UNKNOWN_ERROR * size[0]
+    return FitRecord.model_validate(
+        {
+            "img_size": size,
+            "camera_matrix": matrix,
+            "distortion_coefficients": distortion,
+            "distortion_model": model,
+            "avg_reprojection_error": rms,
+            "uncertainty": {"rms": off, "max": off},
+        }
+    )
+
+
 def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str, str]]]:
     with path.open(encoding="utf-8-sig", newline="") as file:
         reader = csv.DictReader(file)
@@ -133,14 +150,9 @@ def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, numb
         fx, fy, cx, cy = (_number(fields[name]) for name in ("fx", "fy", "cx", "cy"))
         if not (0 < fx < 100 * size[0] and 0.5 < fy / fx < 2 and 0 < cx < size[0] and 0 < cy < size[1]):
             return "no camera is like that"
-        fit = FitRecord(
-            img_size=size,
-            camera_matrix=((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)),
-            distortion_coefficients=tuple(_number(fields[name]) for name in coefficients),
-            distortion_model=model,
-            avg_reprojection_error=_number(fields.get("rms") or "0"),
-            uncertainty={"rms": UNKNOWN_ERROR * size[0], "max": UNKNOWN_ERROR * size[0]},
-        )
+        matrix = ((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0))
+        distortion = tuple(_number(fields[name]) for name in coefficients)
+        fit = uncertain_fit(model, size, matrix, distortion, _number(fields.get("rms") or "0"))
         zoom = _number(fields.get("zoom") or "0")
     except ValidationError:
         return "no camera is like that"
