@@ -25,10 +25,7 @@ Total = int | Callable[[], int] | None
 
 
 class Output:
-    """Standard output of one command: for a person a table, for a pipe lines, for a program JSON.
-
-    `as_json`: nothing but one JSON document is written, at the end.
-    """
+    """Standard output of a command: a table for people, lines for a pipe, one JSON document for programs."""
 
     def __init__(self, *, as_json: bool) -> None:
         self._as_json = as_json
@@ -40,7 +37,7 @@ class Output:
             print(text)
 
     def value(self, value: object) -> None:
-        """Set what the JSON document holds."""
+        """Set the content of the JSON document."""
         self._value = value
 
     def table(
@@ -65,14 +62,14 @@ class Output:
         Console().print(table)
 
     def finish(self) -> None:
-        """Write the JSON document, where one is wanted."""
+        """Write the JSON document, if one is wanted."""
         if self._as_json:
             print(json.dumps(self._value, ensure_ascii=False))
         sys.stdout.flush()
 
 
 def confirm(question: str, *, yes: bool) -> None:
-    """Ask a person before something that cannot be taken back; ends the command at `no`.
+    """Ask a person before something irreversible; ends the command at `no`.
 
     Programs, whose standard input is not a terminal, are not asked.
     """
@@ -137,17 +134,8 @@ def announce(
 ) -> Iterator[Step]:
     """Yield the steps, each after a line with its number, its text, and the time left.
 
-    What steps print themselves (compilers, the SAM CLI) would tear a bar apart; a line before each step
-    survives it. The time left is that of the previous run of the same steps, kept in `.build/durations.json`.
-
-    Parameters
-    ----------
-    work
-        Name under which the durations are kept.
-    steps, text
-        The steps, and what is said of each.
-    say, clock, path
-        Output, seconds, and the file of the durations; for tests.
+    Steps print text themselves (compilers, the SAM CLI), which would tear a bar apart. The time left is that
+    of the previous run of the same steps, kept in `.build/durations.json` under the name `work`.
     """
     previous = _read_durations(path).get(work, {})
     texts = [text(step) for step in steps]
@@ -169,7 +157,6 @@ def format_duration(seconds: float) -> str:
 
 
 def _describe_time_left(expected: Sequence[float | None]) -> str:
-    """Describe the time left, of which a step that never ran makes a lower bound."""
     durations = [seconds for seconds in expected if seconds is not None]
     if not durations:
         return ""
@@ -179,7 +166,6 @@ def _describe_time_left(expected: Sequence[float | None]) -> str:
 
 
 def _read_durations(path: Path) -> dict[str, dict[str, float]]:
-    """Read the durations; what is absent or damaged is left out."""
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

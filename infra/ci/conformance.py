@@ -1,7 +1,6 @@
 """Storage tests against an independent implementation of AWS: `python -m infra.ci.conformance`.
 
-The tests emulate AWS. Where their emulator is more lenient than AWS, tests would not notice;
-ministack is another program by other people.
+It finds differences that the lenience of the tests' emulator hides.
 """
 
 from __future__ import annotations

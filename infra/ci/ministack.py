@@ -1,7 +1,4 @@
-"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface.
-
-It lives in an environment of its own, which the Makefile makes, and forgets everything when it ends.
-"""
+"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface."""
 
 from __future__ import annotations
 

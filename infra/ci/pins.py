@@ -1,7 +1,7 @@
 """Tests of calibsolver and the client with the lowest and the highest versions: `python -m infra.ci.pins`.
 
-The packages are installed from this checkout by uv, once with the lowest versions that their `pyproject.toml`
-permits and the oldest Python, once with the newest of both. `UV` names uv.
+uv, which `UV` names, installs the packages from this checkout, once with the oldest Python and the lowest
+versions that their `pyproject.toml` permits, once with the newest of both.
 """
 
 from __future__ import annotations

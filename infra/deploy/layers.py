@@ -1,6 +1,6 @@
 """Check of the built layers against Lambda's limits and size budgets.
 
-`python -m infra.deploy.layers` checks `.build/layers`; with `--build` it makes them first.
+`python -m infra.deploy.layers` checks `.build/layers`; `--build` makes them first.
 """
 
 from __future__ import annotations
@@ -70,8 +70,8 @@ def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Itera
             yield f"{name}: {share} of its modules are compiled"
 
 
-def build() -> None:
-    """Build both layers with their own Makefiles; raises CalledProcessError."""
+def _build() -> None:
+    """Build both layers with their own Makefiles."""
     shutil.rmtree(BUILT, ignore_errors=True)
     node = shutil.which("node") or "node"
     # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
@@ -93,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--build", action="store_true", help="build both layers first")
     if parser.parse_args(arguments).build:
         try:
-            build()
+            _build()
         except subprocess.CalledProcessError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1

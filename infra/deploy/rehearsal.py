@@ -65,7 +65,7 @@ def main() -> int:
             return 1
         finally:
             _CHANGED.unlink(missing_ok=True)
-        messages = [*problems(), *_find_unpublished(first, second, third)]
+        messages = [*_problems(), *_find_unpublished(first, second, third)]
         if _settings() != settings:
             messages.append("the second deployment gave the pages another token")
     print(f"left out: {', '.join((*UNSUPPORTED, *_ONLY_ON_AWS))}")
@@ -118,7 +118,7 @@ def remove_unsupported(template: Template) -> Template:
     return template
 
 
-def problems() -> Iterator[str]:
+def _problems() -> Iterator[str]:
     """Find the differences between the template and the deployed resources."""
     cloudformation = boto3.client("cloudformation")
     (stack,) = cloudformation.describe_stacks(StackName=REHEARSAL.stack)["Stacks"]

@@ -38,7 +38,6 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
 
 
 def _names(context: OpsContext) -> dict[str, set[Name]]:
-    """Collect labels and platforms with which each camera was calibrated."""
     names_by_camera: defaultdict[str, set[Name]] = defaultdict(set)
     for document, withdrawn in context.every_calibration():
         if not withdrawn:

@@ -146,7 +146,6 @@ def _read_calibrations(context: OpsContext, camera_key: str) -> Iterator[Stored]
 
 
 def _stored_under(context: OpsContext, camera_key: str) -> Iterator[tuple[str, Stored]]:
-    """Yield the calibrations in the folder of a key by their ids."""
     names = set(context.objects.names(f"{CALIBRATIONS_PREFIX}{camera_key}/"))
     for name in names:
         calibration_id = name.rpartition("/")[2].removesuffix(".json")
@@ -157,7 +156,6 @@ def _stored_under(context: OpsContext, camera_key: str) -> Iterator[tuple[str, S
 
 
 def _describe_consensus(consensus: ConsensusDocument) -> str:
-    """Describe a consensus in a line: how many agree, or why nothing is reliable."""
     calibration = consensus.calibration
     what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"
     line = f"{consensus.distortion_model}: {what}"
@@ -185,7 +183,6 @@ def _record(document: CalibrationDocument, withdrawn: bool) -> dict[str, Any]:
 
 
 def _row(record: dict[str, Any]) -> tuple[str, ...]:
-    """Format the cells of `_COLUMNS`."""
     return (
         record["id"],
         time.strftime("%Y-%m-%d %H:%M", time.gmtime(record["time"])),
@@ -266,7 +263,6 @@ def _group(context: OpsContext, mode: Mode) -> Groups:
 
 
 def _draw(title: str, groups: Groups, width: int) -> str:
-    """Draw focal lengths against differences from the consensus, as lines of text."""
     import plotext
 
     plotext.clear_figure()

@@ -127,7 +127,6 @@ def _document(
     size: tuple[int, int],
     model: str,
 ) -> CalibrationDocument:
-    """Fit the keypoints, and put everything that is known into a document."""
     if len(views) < _MIN_VIEWS:
         raise OpsError(f"{path} has {len(views)} views, a calibration needs {_MIN_VIEWS}")
     try:

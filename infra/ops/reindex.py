@@ -55,7 +55,6 @@ class _RecordingTable:
         return getattr(self._table, name)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        """Write the item as `Table` does; if nothing is written, return whether it would be new."""
         key = str(item["pk"]), str(item["sk"])
         self.written.add(key)
         if self._dry_run:
@@ -63,7 +62,6 @@ class _RecordingTable:
         return self._table.put(item, condition)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
-        """Remove the item as `Table` does."""
         return True if self._dry_run else self._table.delete(pk, sk, condition)
 
 
@@ -127,7 +125,7 @@ def reindex(
 def _publish_finished(context: OpsContext, *, dry_run: bool) -> int:
     """Publish sessions that converged but, after a crash, were not published; return how many.
 
-    A client that repeats its last view does the same. This covers clients that never return.
+    This covers clients that never return.
     """
     if not dry_run:
         for rig in context.track(context.store.rigs.all(), "rigs"):
@@ -144,7 +142,7 @@ def _publish_finished(context: OpsContext, *, dry_run: bool) -> int:
 
 
 def refit(context: OpsContext, mode: StreamMode) -> int | None:
-    """Have the consensus of every model computed; return of how many there is one, None if it failed."""
+    """Have the consensus of every model computed; return how many there are, None if it failed."""
     request = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom)
     try:
         answer = context.store.refit.now(request)

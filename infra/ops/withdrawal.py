@@ -65,7 +65,6 @@ def _get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
 
 
 def _get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
-    """Read a withdrawn calibration and the name of its tombstone."""
     document = _get(context, calibration_id)
     tombstone = tombstone_object(calibration_id)
     if tombstone is None or context.objects.get(tombstone) is None:
@@ -106,7 +105,6 @@ def _find_contributors_at(context: OpsContext, address: str, token_id: str | Non
 
 
 def _find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
-    """Find the contributors of the calibration, or of the session, of which this is the session id."""
     sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
     if sid is None:
         raise OpsError("no key of SESSION_SECRETS has signed this receipt: it is forged, or the key is gone")

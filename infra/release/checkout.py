@@ -41,10 +41,7 @@ def set_version(fresh: str, root: Path = ROOT) -> None:
 
 
 def check_clean(root: Path = ROOT) -> None:
-    """Raise CheckoutError if a file differs from the commit, or is not in it.
-
-    What git ignores (environments, builds) does not count; nothing of it is in an artifact.
-    """
+    """Raise CheckoutError if a file that git does not ignore differs from the commit, or is not in it."""
     changed = _git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
     if changed:
         names = ", ".join(line[3:] for line in changed[:_MAX_NAMED])
@@ -56,12 +53,11 @@ def check_tag(tag: str, root: Path = ROOT) -> None:
     """Raise CheckoutError if the tag is not of this version or not on this commit."""
     if tag != f"v{version(root)}":
         raise CheckoutError(f"the tag {tag} is not v{version(root)}, the version in {VERSION_FILE}")
-    if commit(root, tag) != commit(root, "HEAD"):
+    if _commit(root, tag) != _commit(root, "HEAD"):
         raise CheckoutError(f"{tag} is another commit than the one that is checked out")
 
 
-def commit(root: Path, name: str) -> str:
-    """Find the commit of a tag or branch."""
+def _commit(root: Path, name: str) -> str:
     return _git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
 
 

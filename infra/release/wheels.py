@@ -48,7 +48,6 @@ def build(target: Path) -> list[Path]:
 
 
 def _commit_time() -> str:
-    """Time of the last commit, unix seconds."""
     command = ["git", "-C", str(ROOT), "log", "-1", "--format=%ct"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
 

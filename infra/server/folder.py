@@ -156,7 +156,6 @@ def lock_folder(path: Path, timeout_s: float) -> int | None:
 
 
 def _copy_aside(file: Path) -> Path:
-    """Copy the database and its log to a new folder next to them."""
     copy = file.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}-{os.getpid()}")
     copy.mkdir()
     for suffix in ("", "-wal"):

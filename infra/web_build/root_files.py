@@ -30,20 +30,14 @@ EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", 
 
 
 def robots_text(site: str) -> bytes:
-    """Write `robots.txt` of a site, whose address has no slash at its end.
-
-    Source: RFC 9309.
-    """
+    """Write `robots.txt` (RFC 9309) of a site, whose address has no slash at its end."""
     disallowed = "".join(f"Disallow: {path}\n" for path in _NOT_INDEXED)
     return f"User-agent: *\n{disallowed}\nSitemap: {site}/sitemap.xml\n".encode()
 
 
 def sitemap(site: str, files: Iterable[str]) -> bytes:
-    """Write `sitemap.xml` with every page among the files of a site.
-
-    Source: sitemaps.org, protocol 0.9.
-    """
-    folders = sorted({name.removesuffix("index.html") for name in files if is_page(name)})
+    """Write `sitemap.xml` (sitemaps.org, protocol 0.9) with every page among the files of a site."""
+    folders = sorted({name.removesuffix("index.html") for name in files if _is_page(name)})
     urls = "".join(
         f"  <url><loc>{escape(f'{site}/{folder}')}</loc></url>\n"
         for folder in folders
@@ -55,16 +49,12 @@ def sitemap(site: str, files: Iterable[str]) -> bytes:
     ).encode()
 
 
-def is_page(name: str) -> bool:
-    """True if a file of the site is a page."""
+def _is_page(name: str) -> bool:
     return (name == "index.html" or name.endswith("/index.html")) and not name.startswith("vendor")
 
 
 def security_text(contact: str, now: datetime, site: str | None = None) -> bytes:
-    """Write `security.txt`, which every deployment renews.
-
-    Source: RFC 9116, sections 2.5.3 and 2.5.5.
-    """
+    """Write `security.txt` (RFC 9116, sections 2.5.3 and 2.5.5), which every deployment renews."""
     expires = now + timedelta(days=_SECURITY_TEXT_DAYS)
     lines = [f"Contact: {contact}", f"Expires: {expires:%Y-%m-%dT%H:%M:%SZ}"]
     if site:
@@ -73,7 +63,7 @@ def security_text(contact: str, now: datetime, site: str | None = None) -> bytes
 
 
 def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]) -> bytes | None:
-    """Make a file of a site that is served from its sources; None if it has no such file at its root."""
+    """Make a file at the root of a site that is served from its sources; None if it has no such file."""
     contact = settings.get("operator", {}).get("contact", "")
     match key:
         case "config.json":
@@ -90,21 +80,20 @@ def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]
 
 
 def public_settings(api: str, token: str, parameters: Mapping[str, str] | None = None) -> dict[str, Any]:
-    """Content of `/config.json`, which a deployment writes; `parameters`: of the deployment."""
+    """Content of `/config.json`; `parameters`: of the deployment."""
     settings: dict[str, Any] = {"api": api, "token": token}
-    contact = operator(parameters or {})
+    contact = _operator(parameters or {})
     return settings | ({"operator": contact} if contact else {})
 
 
-def operator(parameters: Mapping[str, str]) -> dict[str, str]:
-    """Name the operator of the service as far as the deployment does: `name`, `contact`, `imprint`."""
+def _operator(parameters: Mapping[str, str]) -> dict[str, str]:
     names = {"name": "OperatorName", "contact": "OperatorContact", "imprint": "Imprint"}
     return {key: parameters[name] for key, name in names.items() if parameters.get(name)}
 
 
 def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
-    """Return the addresses that every page's footer names: `contact`, `imprint`."""
-    contact = operator(parameters)
+    """Return the addresses in every page's footer: `contact`, `imprint`."""
+    contact = _operator(parameters)
     imprint = contact.get("imprint", "")
     addresses = {"contact": contact.get("contact", "")}
     addresses["imprint"] = (
@@ -122,10 +111,7 @@ class Shell(TypedDict):
 
 
 def shell(folder: Path = WEB, options: Options | None = None) -> Shell:
-    """Return the list of the pages' files: path → SHA-256, hexadecimal.
-
-    `options`: those that the pages are served with.
-    """
+    """Return the list of the pages' files: path → SHA-256, hexadecimal."""
     digests = {path.removeprefix(f"{folder}/"): _hash(path, *_state(path)) for path in _files(folder)}
     served = made_files(folder, options)
     made = {key: hashlib.sha256(content).hexdigest() for key, content in served.items()}
@@ -133,7 +119,7 @@ def shell(folder: Path = WEB, options: Options | None = None) -> Shell:
 
 
 def shell_of(digests: Mapping[str, str]) -> Shell:
-    """Return the list of those among files, by path with their SHA-256, that belong to pages.
+    """Select those among files, by path with their SHA-256, that belong to pages.
 
     The folder `vendor/` may have the hash in its name that an upload gives it.
     """

@@ -48,7 +48,7 @@ def sdk_files(web: Path) -> Mapping[str, bytes]:
 
 
 def sdk_package(web: Path, version: str) -> bytes:
-    """Pack the SDK as npm installs it, under a version."""
+    """Pack the SDK as npm installs it."""
     return _package(_sources(web), version)
 
 
@@ -60,7 +60,7 @@ def sdk_version(web: Path) -> str:
 def import_map(web: Path, site: str) -> str:
     """Write an import map that pins every module of the version to its content."""
     sources = _sources(web)
-    hashes = integrity(sources)
+    hashes = _integrity(sources)
     at = f"{site}/{SDK_FOLDER}{_version(sources)}"
     names: dict[str, str] = {}
     for name, export in json.loads(sources["package.json"])["exports"].items():
@@ -73,7 +73,7 @@ def import_map(web: Path, site: str) -> str:
     return json.dumps({"imports": names, "integrity": pinned}, indent=2)
 
 
-def integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
+def _integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
     """Return the hash of each module as it lies in the version's folder."""
     modules = {name: _move_module(name, content) for name, content in sources.items() if name.endswith(".js")}
     return {name: sri(content) for name, content in sorted(modules.items())}
@@ -96,7 +96,7 @@ def _sources(web: Path) -> dict[str, bytes]:
 
 
 def digest(files: Mapping[str, bytes], start: bytes = b"") -> str:
-    """Digest that changes when a file does, or its name, or `start`."""
+    """Digest of the files' names and contents, and `start`."""
     whole = hashlib.sha256(start)
     for name, content in sorted(files.items()):
         whole.update(f"{name}\0{len(content)}\0".encode() + content)
@@ -123,7 +123,7 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
     files = dict(sources)
     version = _version(files)
     at = f"{SDK_FOLDER}{version}/"
-    facts = json.dumps({"version": version, "files": integrity(files)}, indent=1).encode() + b"\n"
+    facts = json.dumps({"version": version, "files": _integrity(files)}, indent=1).encode() + b"\n"
     modules = {
         f"{at}{name}": _move_module(name, content) for name, content in files.items() if name.endswith(".js")
     }
@@ -161,7 +161,6 @@ def _package(sources: Mapping[str, bytes], version: str) -> bytes:
 
 
 def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Write the types of all modules."""
     npx = shutil.which("npx")
     if npx is None:
         raise SdkError("types are made with Node.js, which is not there: install it, version 20 or newer")

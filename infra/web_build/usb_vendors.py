@@ -22,8 +22,7 @@ _HEAD = """\
 """
 
 
-def vendors(text: str) -> Iterator[tuple[str, str]]:
-    """Yield id and name of every vendor in a `usb.ids` file."""
+def _vendors(text: str) -> Iterator[tuple[str, str]]:
     for line in text.splitlines():
         if match := _VENDOR_LINE.fullmatch(line.rstrip()):
             yield match[1], match[2]
@@ -32,7 +31,7 @@ def vendors(text: str) -> Iterator[tuple[str, str]]:
 def table(text: str) -> str:
     """Return the table for a `usb.ids` file; raises ValueError if that names no version or no vendor."""
     version = _VERSION_LINE.search(text)
-    lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(vendors(text))]
+    lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(_vendors(text))]
     if version is None or not lines:
         raise ValueError("not a usb.ids file: it has no version, or no vendors")
     return _HEAD.format(version=version[1]) + "".join(lines)

@@ -23,7 +23,7 @@ _MAX_WITHOUT_COMMAS = 9999
 
 @dataclass(frozen=True)
 class Row:
-    """One field: its path from the body's root, what it may be, and its meaning."""
+    """One field: its path from the body's root, its values, and its meaning."""
 
     name: str
     kind: str
@@ -33,10 +33,10 @@ class Row:
 
 def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int = 0) -> Iterator[Row]:
     """Yield the fields of an object, each followed by its members; `schemas`: by the names in references."""
-    whole = resolve(schema, schemas)
+    whole = _resolve(schema, schemas)
     needed = set(whole.get("required", ()))
     for name, node in whole.get("properties", {}).items():
-        text = node.get("description") or resolve(node, schemas).get("description", "")
+        text = node.get("description") or _resolve(node, schemas).get("description", "")
         yield Row(f"{prefix}{name}", kind(node, schemas), name in needed, text)
         inner, mark = _object(node, schemas)
         if inner is not None and depth < _MAX_MEMBER_DEPTH:
@@ -58,7 +58,7 @@ def table(rows: list[Row], *, with_required: bool) -> str:
     )
 
 
-def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
+def _resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
     """Follow a reference, and the one choice of several that is not null."""
     while True:
         reference = node.get("$ref", "")
@@ -73,10 +73,10 @@ def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
 
 def _object(node: Node, schemas: Mapping[str, Node]) -> tuple[Node | None, str]:
     """Find the object that a field is, or that its items are, and the mark of its path."""
-    whole = resolve(node, schemas)
+    whole = _resolve(node, schemas)
     if "properties" in whole:
         return whole, ""
-    items = resolve(whole.get("items") or {}, schemas)
+    items = _resolve(whole.get("items") or {}, schemas)
     return (items, "[]") if "properties" in items else (None, "")
 
 
@@ -84,7 +84,7 @@ def kind(node: Node, schemas: Mapping[str, Node]) -> str:
     """Describe the values of a field."""
     null = any(choice.get("type") == "null" for choice in node.get("anyOf", ()))
     default = node.get("default")
-    whole = resolve(node, schemas)
+    whole = _resolve(node, schemas)
     choices = [choice for choice in whole.get("anyOf", ()) if choice.get("type") != "null"]
     said = " or ".join(dict.fromkeys(kind(choice, schemas) for choice in choices)) or _single(whole, schemas)
     if null:

@@ -79,8 +79,7 @@ def render(source: str, link: Link) -> Document:
     return Document(title, body, tuple(each for each in headings if each.level > 1), tuple(sections))
 
 
-def slug(text: str, taken: set[str]) -> str:
-    """Make the anchor of a heading as GitHub does, and take it."""
+def _slug(text: str, taken: set[str]) -> str:
     base = re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
     anchor, count = base, 0
     while anchor in taken:
@@ -119,7 +118,7 @@ def _outline(tokens: Sequence[Token]) -> tuple[list[Heading], list[Section]]:
     for index, token in enumerate(tokens):
         if token.type == "inline" and tokens[index - 1].type == "heading_open":
             text = _plain(token)
-            heading = Heading(int(tokens[index - 1].tag[1]), text, slug(text, taken))
+            heading = Heading(int(tokens[index - 1].tag[1]), text, _slug(text, taken))
             headings.append(heading)
             tokens[index - 1].attrSet("id", heading.anchor)
             sections.append(Section(text, "" if heading.level == 1 else heading.anchor))

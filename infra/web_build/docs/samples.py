@@ -18,11 +18,10 @@ SAMPLE_NAMES = {"curl": "curl", "fetch": "fetch", "python": "Python"}
 
 def samples(call: Call) -> dict[str, str]:
     """Return the request in every language."""
-    return {"curl": curl(call), "fetch": fetch(call), "python": python(call)}
+    return {"curl": _curl(call), "fetch": _fetch(call), "python": _httpx(call)}
 
 
-def curl(call: Call) -> str:
-    """Write a command."""
+def _curl(call: Call) -> str:
     method = "" if call.method == ("GET" if call.body is None else "POST") else f" -X {call.method}"
     lines = [f"curl -s{' -G' if call.query else ''}{method} {SITE}{call.path}"]
     if call.credential:
@@ -35,8 +34,7 @@ def curl(call: Call) -> str:
     return " \\\n  ".join(lines)
 
 
-def fetch(call: Call) -> str:
-    """Write a module of JavaScript."""
+def _fetch(call: Call) -> str:
     lines = []
     where = f'"{SITE}{call.path}"'
     if call.query:
@@ -57,8 +55,7 @@ def fetch(call: Call) -> str:
     return "\n".join(lines)
 
 
-def python(call: Call) -> str:
-    """Write a program for Python with httpx."""
+def _httpx(call: Call) -> str:
     options = []
     headers = [f'"Authorization": "Bearer {call.credential}"'] if call.credential else []
     headers += [f'"Accept": "{call.accept}"'] if call.accept else []
@@ -85,7 +82,6 @@ def format_json(value: Any, pad: str = "") -> str:
 
 
 def _json(value: Any) -> str:
-    """Write JSON with one member a line, and what is within on that line."""
     if not isinstance(value, dict):
         return json.dumps(value, ensure_ascii=False)
     members = (f'  "{name}": {json.dumps(each, ensure_ascii=False)}' for name, each in value.items())
