@@ -6,6 +6,7 @@ import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import pytest
 
@@ -71,21 +72,25 @@ def test_pages_share_the_fields_of_boards_and_the_consent(made: Mapping[str, byt
         assert sum(f'id="{part}"' in page for page in found.values()) == 3 * sharing  # in three languages
 
 
-def test_every_address_on_every_page_leads_to_a_file_of_the_site(made: Mapping[str, bytes]) -> None:
-    files = {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()} | set(
-        made
-    )
+def test_every_address_on_every_page_leads_to_a_file_and_an_anchor(made: Mapping[str, bytes]) -> None:
+    files = {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()}
+    every = pages(made)
+    ids = {key: set(re.findall(r'\bid="([^"]+)"', page)) for key, page in every.items()}
     checked = 0
-    for key, page in pages(made).items():
-        for address in re.findall(r'(?:href|src)="([^"#?:]+)[^":]*"', page):
-            there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), address))[1:]
-            if address.endswith("/") or not there:
+    for key, page in every.items():
+        for address in re.findall(r'(?:href|src)="([^"]*)"', page):
+            parts = urlsplit(address)
+            if parts.scheme or parts.path.startswith("/dumps/"):  # objects that the weekly dump writes
+                continue
+            there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), parts.path))[1:]
+            there = there if parts.path else key
+            if parts.path.endswith("/") or not there:
                 there = posixpath.join(there, "index.html")
-            if there.startswith("dumps/"):
-                continue  # objects that the weekly dump writes
-            assert there in files, (key, address, there)
+            assert there in files | made.keys(), (key, address, there)
+            if parts.fragment and there in ids:
+                assert unquote(parts.fragment) in ids[there], (key, address)
             checked += 1
-    assert checked > 1000
+    assert checked > 3000
 
 
 def test_a_page_in_another_language_leads_to_pages_in_that_language(made: Mapping[str, bytes]) -> None:
