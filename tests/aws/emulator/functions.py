@@ -31,7 +31,6 @@ class Context:
     """The `context` argument of a handler, with Lambda's names."""
 
     function_name: str
-    memory_limit_in_mb: int
     aws_request_id: str
     deadline: float  # monotonic seconds
 
@@ -52,10 +51,7 @@ class Function:
         Raises FunctionError if the handler did not answer; the traceback is in the log.
         """
         context = Context(
-            function_name=self.spec.name,
-            memory_limit_in_mb=self.spec.memory,
-            aws_request_id=request_id or str(uuid.uuid4()),
-            deadline=time.monotonic() + self.spec.timeout,
+            self.spec.name, request_id or str(uuid.uuid4()), time.monotonic() + self.spec.timeout
         )
         try:
             handler = importlib.import_module(self.spec.module).handler

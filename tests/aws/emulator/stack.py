@@ -67,16 +67,15 @@ class LocalStack:
         self._answers_preflights = answers_preflights
         self._environment = environment or {}
         self._retry_pauses = retry_pauses
-        self._stack = ExitStack()
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             self._start(stack)
-            self._stack = stack.pop_all()
+            self._running = stack.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._stack.close()
+        self._running.close()
 
     def _start(self, stack: ExitStack) -> None:
         self._listener = stack.enter_context(bind("127.0.0.1", 0))
@@ -89,12 +88,14 @@ class LocalStack:
         }
         self.template = load(ROOT / "template.yaml", parameters)
         own = secrets.generate()
-        self.environment = (
-            self.template.environment()
+        self.environment = {
+            **self.template.environment(),
             # The secrets themselves: the emulator has no parameter store.
-            | {"SECRETS_PATH": "", "SESSION_SECRETS": own.session, "CONTRIBUTOR_SECRET": own.contributor}
-            | dict(self._environment)
-        )
+            "SECRETS_PATH": "",
+            "SESSION_SECRETS": own.session,
+            "CONTRIBUTOR_SECRET": own.contributor,
+            **self._environment,
+        }
         stack.enter_context(patch.dict(os.environ, _LOCAL | self.environment))
         for name in _MISLEADING:
             os.environ.pop(name, None)
@@ -115,12 +116,8 @@ class LocalStack:
         self.gateway = Gateway(
             self.template, self.functions, time.time, lambda: str(uuid.uuid4()), self._answers_preflights
         )
-        self._admit_development_token()
-
-    def _admit_development_token(self) -> None:
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
-        created = int(time.time())
-        token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=created)
+        token = ApiToken(token_id, secret_hash(secret), ORIGINS, "development", int(time.time()))
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
 
     def request(

@@ -25,7 +25,7 @@ class FunctionSpec:
     name: str  # logical id; locally also the name by which it is invoked
     module: str
     timeout: float  # s
-    memory: int  # MB; only reported to the handler
+    memory: int  # MB
     environment: Mapping[str, str]
     retries: int  # of an asynchronous invocation that failed
     has_failures: bool  # has a queue of invocations that failed every time
