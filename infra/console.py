@@ -1,7 +1,5 @@
 """Terminal: tables, progress with the time left, announced steps, questions."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

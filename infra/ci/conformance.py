@@ -3,8 +3,6 @@
 It finds differences that the lenience of the tests' emulator hides.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

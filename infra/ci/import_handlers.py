@@ -4,8 +4,6 @@
 so that it runs in Lambda's own image.
 """
 
-from __future__ import annotations
-
 import platform
 import re
 import subprocess

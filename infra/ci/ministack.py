@@ -1,7 +1,5 @@
 """ministack, an implementation of AWS independent of the one in the tests, on the loopback interface."""
 
-from __future__ import annotations
-
 import os
 import socket
 import subprocess

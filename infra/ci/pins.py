@@ -4,8 +4,6 @@ uv, which `UV` names, installs the packages from this checkout, once with the ol
 versions that their `pyproject.toml` permits, once with the newest of both.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -3,8 +3,6 @@
 python -m infra.ci.wording
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

@@ -3,8 +3,6 @@
 AWS credentials are the operator's own, from the environment; a plan needs none.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import shlex

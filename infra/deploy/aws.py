@@ -1,7 +1,5 @@
 """Calls of a deployment to AWS's API. All of them are idempotent."""
 
-from __future__ import annotations
-
 import json
 import secrets
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Deployment, step by step."""
 
-from __future__ import annotations
-
 import functools
 import os
 import shlex

@@ -5,8 +5,6 @@ all of them of one release. All names have one digest of all files, since module
 circles. The folder stays, so that addresses relative to a module mean the same.
 """
 
-from __future__ import annotations
-
 import posixpath
 import re
 from collections.abc import Mapping

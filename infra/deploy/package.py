@@ -1,7 +1,5 @@
 """Package of a release: the template that is deployed, and the digest that names the release."""
 
-from __future__ import annotations
-
 import argparse
 import copy
 import hashlib

@@ -1,7 +1,5 @@
 """Tokens of the site's own pages and of its canary: they follow the site's address."""
 
-from __future__ import annotations
-
 import secrets
 import time
 from collections.abc import Mapping, Sequence

@@ -5,8 +5,6 @@ it with the template's default. A virtual processor of Lambda is slower than a c
 kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

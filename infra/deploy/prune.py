@@ -1,7 +1,5 @@
 """Removal of old versions of functions, and of artifacts that no template names."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from datetime import datetime, timedelta

@@ -5,8 +5,6 @@ site is uploaded, the pages get their token, the keys are rotated. What ministac
 AWS can answer, is left out and printed.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """The static client as it is uploaded: names, types, encodings, and how long each file may be kept."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import json

@@ -3,8 +3,6 @@
 It leaves nothing but one capture, which `infra.deploy.smoke_capture` removes.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 import ssl

@@ -1,7 +1,5 @@
 """One whole capture on a deployment, and its removal."""
 
-from __future__ import annotations
-
 import functools
 import json
 import time

@@ -1,7 +1,5 @@
 """Steps of a deployment, in order; nothing is run here."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """CloudFormation templates as YAML: short forms such as `!Ref X` become their long forms."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

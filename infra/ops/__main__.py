@@ -5,8 +5,6 @@ CALIBDB_STORAGE=aws and the deployment's TABLE_NAME, BUCKET_NAME and WEB_BUCKET_
 AWS with the operator's own credentials.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 An up-to-date consensus costs a few reads, so the command can be stopped and run again at any time.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """A bundle of the whole database, with every label under which its cameras were calibrated."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path

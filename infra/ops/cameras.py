@@ -1,7 +1,5 @@
 """Listings of cameras, their calibrations and their use at the edge, for the operator."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import math

@@ -1,7 +1,5 @@
 """Dump of the database (CC0): JSON Lines that `load` reads, and Parquet tables for analysis."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -3,8 +3,6 @@
 A command imports its module when it runs: some load slowly (the solver, pyarrow).
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import asdict
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Import of calibration files that other tools wrote."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path

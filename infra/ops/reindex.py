@@ -1,7 +1,5 @@
 """Rebuild of the index from the bucket, the source of truth."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass

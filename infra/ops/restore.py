@@ -1,7 +1,5 @@
 """Load of a dump into a stack, which then gives the same answers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar

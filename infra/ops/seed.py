@@ -1,7 +1,5 @@
 """Published calibrations as first guesses: a capture may start from them, no lookup returns them."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections import Counter, defaultdict

@@ -1,7 +1,5 @@
 """API tokens: creation, listing, rotation, revocation."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from typing import Annotated

@@ -1,7 +1,5 @@
 """Withdrawal of calibrations, and removal of everything that a contributor sent; their commands."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Commands for a release: `make release ARGS="bump 0.2.0"`, then commit, tag, `ARGS="build --tag v0.2.0"`."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

@@ -1,7 +1,5 @@
 """Artifacts of a release: source, SDK, layers, wheels, notes, checksums."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import shutil

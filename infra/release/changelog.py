@@ -1,7 +1,5 @@
 """Changelog in the form of keepachangelog.com."""
 
-from __future__ import annotations
-
 import re
 
 _UNRELEASED = "## Unreleased\n"

@@ -1,7 +1,5 @@
 """The checkout that a release or a deployment is made of."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

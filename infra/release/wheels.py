@@ -1,7 +1,5 @@
 """Wheels: the solver's, the client's, and the server's, which has the built site inside."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

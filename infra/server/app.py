@@ -1,7 +1,5 @@
 """The ASGI application: the API of `functions/*`, the public dumps, and the site."""
 
-from __future__ import annotations
-
 import asyncio
 import importlib
 import logging

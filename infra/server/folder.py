@@ -1,7 +1,5 @@
 """The data folder: its lock, its secrets, and its checks at the start."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """HTTP/1.1 of the server: a connection that does not send a whole header in time is closed."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 

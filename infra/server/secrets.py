@@ -1,7 +1,5 @@
 """The server's own secrets."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

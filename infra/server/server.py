@@ -1,7 +1,5 @@
 """The server in this process: data folder, jobs, upkeep, and the application."""
 
-from __future__ import annotations
-
 import logging
 import os
 import socket

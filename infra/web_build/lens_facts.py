@@ -4,8 +4,6 @@
 of facts (`calibdb.estimate.facts`). A row is the median over contributors for one model, mode and aspect.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import statistics

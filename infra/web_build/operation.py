@@ -3,8 +3,6 @@
 Parameters of a query are generated from the pydantic models that the functions parse queries with.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal

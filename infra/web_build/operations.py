@@ -5,8 +5,6 @@ for values from earlier responses. `infra.web_build.recorded_examples` sends the
 responses.
 """
 
-from __future__ import annotations
-
 from calibdb import schema
 from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX

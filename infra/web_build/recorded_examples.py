@@ -3,8 +3,6 @@
 A server in memory gets five calibrations of one synthetic camera, then every example of `example_calls`.
 """
 
-from __future__ import annotations
-
 import asyncio
 import functools
 import json

@@ -1,7 +1,5 @@
 """Files at the root of the site that programs look for: robots.txt, config.json, the list of all files."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

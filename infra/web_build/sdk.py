@@ -5,8 +5,6 @@ releases has also a digest of its content. `integrity.json` has the hashes of a 
 Integrity); `calibdb.tgz` is what `npm install <address>` takes.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import hashlib

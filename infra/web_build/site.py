@@ -10,8 +10,6 @@ parts that several pages share (`parts/`). Scripts and styles lose their comment
 The server rebuilds them when one of their sources changed.
 """
 
-from __future__ import annotations
-
 import hashlib
 import html
 import json

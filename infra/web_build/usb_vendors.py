@@ -4,8 +4,6 @@ Debian's package `usb.ids` has the file as /var/lib/usbutils/usb.ids. Its licenc
 or the 3-clause BSD licence; the table is distributed under the latter.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """All pages under `/docs/`, and the texts that their search reads."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence

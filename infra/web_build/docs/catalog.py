@@ -1,7 +1,5 @@
 """Documents that the site shows under `/docs/`, and where each lies."""
 
-from __future__ import annotations
-
 import posixpath
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pages under `/examples/`: one an engine, with its whole source, and one of all."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

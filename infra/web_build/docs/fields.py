@@ -1,7 +1,5 @@
 """Fields of JSON schemas as rows of a table."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape

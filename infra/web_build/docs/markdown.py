@@ -4,8 +4,6 @@ The parser is markdown-it-py (CommonMark with tables), the highlighter Pygments.
 attribute, which the policy of the pages forbids.
 """
 
-from __future__ import annotations
-
 import html
 import re
 from collections.abc import Callable, Sequence

@@ -3,8 +3,6 @@
 The frame speaks the visitor's language (`web/messages/en/docs.json`), the documents are in English.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 

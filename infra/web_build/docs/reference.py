@@ -1,7 +1,5 @@
 """Pages of the API reference, made of the OpenAPI document: a page a group of calls, and one of all."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from html import escape
 

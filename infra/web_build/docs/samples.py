@@ -1,7 +1,5 @@
 """Requests of the API reference as code: curl, fetch in a browser or Node, and Python with httpx."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -3,8 +3,6 @@
 Source: Amazon API Gateway developer guide, "Create AWS Lambda proxy integrations for HTTP APIs".
 """
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Mapping

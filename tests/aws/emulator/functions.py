@@ -1,7 +1,5 @@
 """Lambda's part: a function's handler, called with what Lambda would hand it."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import logging

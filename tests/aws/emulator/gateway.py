@@ -1,7 +1,5 @@
 """API Gateway's part: an HTTP API made from the template. It knows no path and no function by name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ botocore asks `before-send` handlers for a response before it opens a connection
 containers for Lambda.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO

@@ -1,7 +1,5 @@
 """CloudFormation's intrinsic functions, resolved to local values. An unknown one is an error."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ As on AWS, a failed asynchronous invocation is retried. If every attempt fails, 
 queue of the function.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import threading

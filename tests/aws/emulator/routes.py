@@ -3,8 +3,6 @@
 Source: Amazon API Gateway developer guide, "Create routes for HTTP APIs in API Gateway".
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The whole deployment in this process."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import time

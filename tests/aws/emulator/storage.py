@@ -1,7 +1,5 @@
 """moto's DynamoDB and S3 as the template's tables and buckets, in memory."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

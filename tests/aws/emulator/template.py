@@ -4,8 +4,6 @@ Functions, routes, tables and buckets exist because the template lists them. An 
 an error, never a guess.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
