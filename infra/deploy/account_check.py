@@ -28,7 +28,7 @@ RESERVED = {
     "ComputeConcurrency": 3,
 }
 _UNRESERVED = " ".join(f"{name}=0" for name in RESERVED)
-_VERIFICATION = re.compile(r"account must be verified", re.IGNORECASE)
+_VERIFICATION = re.compile("(?i)account must be verified")
 _UNVERIFIED = (
     "CloudFront does not make distributions for this account before AWS has verified it: open a support case "
     "(Account and billing, Account verification), wait for its answer, and run `make deploy` again."
@@ -37,16 +37,16 @@ _UNVERIFIED = (
 _CAUSES = (
     (_VERIFICATION, _UNVERIFIED),
     (
-        re.compile(r"UnreservedConcurrentExecution below its minimum", re.IGNORECASE),
+        re.compile("(?i)UnreservedConcurrentExecution below its minimum"),
         "Lambda has no concurrency left to reserve: ask Service Quotas for 1,000 concurrent executions "
         f"(L-B99A9384), or add {_UNRESERVED}.",
     ),
     (
-        re.compile(r"already exists", re.IGNORECASE),
+        re.compile("(?i)already exists"),
         "A resource of that name is there already: deploy under another name with STACK=NAME, or delete it.",
     ),
     (
-        re.compile(r"CNAMEAlreadyExists|One or more of the CNAMEs", re.IGNORECASE),
+        re.compile("(?i)CNAMEAlreadyExists|One or more of the CNAMEs"),
         "Another distribution has DomainName: take the name off it first.",
     ),
 )

@@ -1,15 +1,16 @@
 """Dump of the database (CC0): JSON Lines that `load` reads, and Parquet tables for analysis."""
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 from pyarrow import parquet
+from pydantic import BaseModel
 
 from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
-from calibdb.schema import CalibrationDocument
+from calibdb.schema import CalibrationDocument, RigCalibrationDocument
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
 from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
@@ -96,9 +97,10 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
                 _write(table, corners, batch)
                 batch = []
         _write(table, corners, batch)
-    votes = _votes(context, select, draft / VOTES)
+    votes = _write_lines(draft / VOTES, map(select, context.track(context.store.votes.all(), "votes")))
     if private:
-        _rigs(context, alias, draft / RIGS)
+        rigs = context.track(context.store.rigs.calibrations(), "rigs")
+        _write_lines(draft / RIGS, (_renamed(rig, alias) for rig in rigs))
     (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)
     return count, votes
@@ -111,23 +113,18 @@ def _select_documents(context: OpsContext, select: Select) -> Iterator[Calibrati
             yield copy
 
 
-def _votes(context: OpsContext, select: Select, path: Path) -> int:
+def _renamed(rig: RigCalibrationDocument, alias: Alias) -> RigCalibrationDocument:
+    return rig.model_copy(update={"contributors": tuple(alias(one) for one in rig.contributors)})
+
+
+def _write_lines(path: Path, copies: Iterable[BaseModel | None]) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as lines:
-        for vote in context.track(context.store.votes.all(), "votes"):
-            copy = select(vote)
+        for copy in copies:
             if copy is not None:
                 lines.write(copy.model_dump_json() + "\n")
                 count += 1
     return count
-
-
-def _rigs(context: OpsContext, alias: Alias, path: Path) -> None:
-    """Write the finished rigs, their contributors by other names."""
-    with path.open("w", encoding="utf-8") as lines:
-        for rig in context.track(context.store.rigs.calibrations(), "rigs"):
-            named = tuple(alias(one) for one in rig.contributors)
-            lines.write(rig.model_copy(update={"contributors": named}).model_dump_json() + "\n")
 
 
 def _write(table: Any, corners: Any, documents: list[CalibrationDocument]) -> None:

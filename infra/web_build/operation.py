@@ -5,6 +5,7 @@ Parameters of a query are generated from the pydantic models that the functions 
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal
 
 from pydantic import AliasChoices, BaseModel
@@ -116,9 +117,11 @@ def query(name: str, content: Node, description: str) -> Node:
     return {"name": name, "in": "query", "schema": content, "description": description}
 
 
-def path(name: str, content: Node, description: str) -> Node:
+def path(
+    name: str, description: str, content: Mapping[str, Any] = MappingProxyType({"type": "string"})
+) -> Node:
     """Make a path parameter by hand."""
-    return {"name": name, "in": "path", "required": True, "schema": content, "description": description}
+    return {"name": name, "in": "path", "required": True, "schema": dict(content), "description": description}
 
 
 def query_of(
