@@ -53,12 +53,6 @@ def test_fixed_costs_are_bounded_and_the_budget_is_above_them() -> None:
 
 
 def test_more_lookups_are_cached_more_often() -> None:
-    rates = [edge_month.hit_rate(lookups, 13) for lookups in (1e5, 1e6, 1e8, 1e12)]
-    assert rates == sorted(rates)
-    assert rates[0] < 0.02
-    assert rates[-1] > 0.95
-    # One address at one location, asked for once in the time for which it is kept
-    assert edge_month.hit_rate(edge_month.MONTH_S / edge_month.TTL_S, 1) < 0.5
     enough = edge_month.lookups_for(edge_month.HIT_RATE, 13)
     assert edge_month.hit_rate(enough, 13) >= edge_month.HIT_RATE > edge_month.hit_rate(0.9 * enough, 13)
     assert edge_month.MAX_EDGE_USD == 1.50

@@ -39,12 +39,6 @@ def test_role_holds_its_shared_policies_within_the_iam_limit() -> None:
     assert max(len(role.get("ManagedPolicyArns", ())) for role in roles.values()) == len(arns) <= 10
 
 
-def test_every_folder_of_functions_is_deployed_and_no_other() -> None:
-    deployed = {properties["CodeUri"].strip("/") for properties in functions(resources()).values()}
-    written = {str(path.parent.relative_to(ROOT)) for path in ROOT.glob("functions/*/app.py")}
-    assert deployed == written
-
-
 def test_runtime_architecture_and_payload() -> None:
     for name, properties in functions(created()).items():
         assert (properties["Runtime"], properties["Architectures"]) == ("python3.13", ["arm64"]), name
