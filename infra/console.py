@@ -94,26 +94,21 @@ def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Ite
         yield from items
         return
     number = total() if callable(total) else total
-    with _progress(Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=number)
-        for item in items:
-            yield item
-            bar.advance(task)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
+    with Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(compact=True, elapsed_when_finished=True),
         TextColumn("left"),
-        console=console,
+        console=Console(stderr=True),
         transient=True,
-        # What a command prints meanwhile stands above the bar; into a file it goes as it is.
+        # Output of a command stands above the bar, but goes into a file as it is.
         redirect_stdout=sys.stdout.isatty(),
-        redirect_stderr=True,
-    )
+    ) as bar:
+        task = bar.add_task(what, total=number)
+        for item in items:
+            yield item
+            bar.advance(task)
 
 
 def _say(text: str) -> None:

@@ -8,6 +8,7 @@ import uuid
 from dataclasses import dataclass
 from typing import Any
 
+from infra.server.jobs import Context
 from tests.aws.emulator.template import FunctionSpec
 
 _log = logging.getLogger("tests.aws.emulator.functions")
@@ -24,19 +25,6 @@ class FunctionError(Exception):
         self.payload = {"errorMessage": str(error), "errorType": type(error).__name__}
 
 
-@dataclass(frozen=True)
-class Context:
-    """The `context` argument of a handler, with Lambda's names."""
-
-    function_name: str
-    aws_request_id: str
-    deadline: float  # monotonic seconds
-
-    def get_remaining_time_in_millis(self) -> int:
-        """Return the milliseconds left until the function's timeout."""
-        return max(0, round((self.deadline - time.monotonic()) * 1000))
-
-
 @dataclass
 class Function:
     """One function. On AWS an instance serves one call at a time; here one serves them all, in threads."""
@@ -48,9 +36,7 @@ class Function:
 
         Raises FunctionError if the handler did not answer; the traceback is in the log.
         """
-        context = Context(
-            self.spec.name, request_id or str(uuid.uuid4()), time.monotonic() + self.spec.timeout
-        )
+        context = Context(request_id or str(uuid.uuid4()), time.monotonic() + self.spec.timeout)
         try:
             handler = importlib.import_module(self.spec.module).handler
             return json.loads(json.dumps(handler(json.loads(json.dumps(event)), context)))

@@ -10,16 +10,13 @@ import threading
 import uuid
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from botocore.awsrequest import AWSPreparedRequest
 
 from tests.aws.emulator.functions import Function, FunctionError
-from tests.aws.emulator.intrinsics import ACCOUNT, REGION
 from tests.aws.emulator.storage import Answer
-from tests.aws.emulator.template import FunctionSpec
 
 _log = logging.getLogger("tests.aws.emulator.invokes")
 
@@ -102,31 +99,8 @@ class Invokes:
                 payload = error.payload
         _log.error("%s: a call failed %d times and is given up", function.spec.name, attempts)
         if function.spec.has_failures:
-            self._failures.append(_failure(function.spec, request_id, event, payload))
-
-
-def _failure(spec: FunctionSpec, request_id: str, event: Any, payload: Any) -> dict[str, Any]:
-    """Return the dead-letter record of an invocation that failed every time.
-
-    Source: AWS Lambda developer guide, "Capturing records of Lambda asynchronous invocations".
-    """
-    return {
-        "version": "1.0",
-        "timestamp": datetime.now(UTC).isoformat(timespec="milliseconds"),
-        "requestContext": {
-            "requestId": request_id,
-            "functionArn": f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{spec.name}:$LATEST",
-            "condition": "RetriesExhausted",
-            "approximateInvokeCount": 1 + spec.retries,
-        },
-        "requestPayload": event,
-        "responseContext": {
-            "statusCode": 200,
-            "executedVersion": "$LATEST",
-            "functionError": "Unhandled",
-        },
-        "responsePayload": payload,
-    }
+            # Source: AWS Lambda developer guide, "Capturing records of Lambda asynchronous invocations"
+            self._failures.append({"requestPayload": event, "responsePayload": payload})
 
 
 def _error(status: int, code: str, text: str) -> Answer:
