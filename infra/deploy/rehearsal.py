@@ -30,6 +30,8 @@ UNSUPPORTED = (
 )
 # The emulator does not deliver the site, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("account", "smoke")
+Versions = dict[str, tuple[str, str]]
+"""Version and release of each alias, by the function's name."""
 # A change only in a layer
 _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"
 
@@ -72,8 +74,7 @@ def main() -> int:
     return 1 if messages else 0
 
 
-def _live() -> dict[str, tuple[str, str]]:
-    """Read version and release of each alias, by the function's name."""
+def _live() -> Versions:
     cloudformation, lambda_ = boto3.client("cloudformation"), boto3.client("lambda")
     versions = {}
     for name, release in aws.releases(cloudformation, lambda_, REHEARSAL.stack).items():
@@ -85,9 +86,7 @@ def _live() -> dict[str, tuple[str, str]]:
     return versions
 
 
-def _find_unpublished(
-    first: dict[str, tuple[str, str]], second: dict[str, tuple[str, str]], third: dict[str, tuple[str, str]]
-) -> Iterator[str]:
+def _find_unpublished(first: Versions, second: Versions, third: Versions) -> Iterator[str]:
     """Find functions that a change in a layer did not reach, or that were published without a change."""
     for name, (version, release) in second.items():
         if release == first[name][1]:
@@ -129,22 +128,13 @@ def _problems() -> Iterator[str]:
         yield f"the stack has other values than asked for: {', '.join(different)}"
     if parameters["GuidanceUrl"] != f"{made['SiteUrl']}/calibrate/":
         yield f"lookups are sent to {parameters['GuidanceUrl']}"
-    s3 = boto3.client("s3")
-    for bucket in (made["KeypointBucketName"], made["WebBucketName"]):
-        if s3.get_bucket_versioning(Bucket=bucket).get("Status") != "Enabled":
-            yield f"{bucket} keeps no versions"
-        closed = s3.get_public_access_block(Bucket=bucket)["PublicAccessBlockConfiguration"]
-        if not all(closed.values()):
-            yield f"{bucket} can be made public"
-        if "aws:SecureTransport" not in s3.get_bucket_policy(Bucket=bucket)["Policy"]:
-            yield f"{bucket} is open without TLS"
     secrets = boto3.client("ssm").get_parameters_by_path(
         Path=f"/calibdb/{REHEARSAL.stack}", WithDecryption=True
     )
     keys = {p["Name"].rpartition("/")[2]: p["Value"].count(",") + 1 for p in secrets["Parameters"]}
     if keys != {"SESSION_SECRETS": 3, "CONTRIBUTOR_SECRET": 1, "EDGE_SECRETS": 3, "EDGE_SECRET": 1}:
         yield f"the secrets hold so many keys: {keys}"
-    page = s3.head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
+    page = boto3.client("s3").head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
     if page["ContentType"] != "text/html; charset=utf-8":
         yield f"a page is {page['ContentType']}"
     print(f"{len(aws.resources(cloudformation, REHEARSAL.stack))} resources, {len(made)} outputs")

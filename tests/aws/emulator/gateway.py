@@ -1,6 +1,8 @@
 """API Gateway's part: an HTTP API made from the template. It knows no path and no function by name."""
 
-from collections.abc import Callable, Mapping
+import time
+import uuid
+from collections.abc import Mapping
 from dataclasses import replace
 
 from tests.aws.emulator.events import Request, Response, message, to_event, to_response
@@ -25,15 +27,11 @@ class Gateway:
         self,
         template: Template,
         functions: Mapping[str, Function],
-        clock: Callable[[], float],
-        new_id: Callable[[], str],
         answers_preflights: bool = False,
     ):
         self.routes = Routes(template.routes)
         self._cors = template.cors
         self._functions = functions
-        self._clock = clock
-        self._new_id = new_id
         self._answers_preflights = answers_preflights
 
     def handle(self, request: Request) -> Response:
@@ -52,8 +50,8 @@ class Gateway:
         match = self.routes.match(request.method, request.path)
         if match is None:
             return message(404, "Not Found")
-        request_id = self._new_id()
-        event = to_event(request, match.key, match.parameters, request_id, self._clock())
+        request_id = str(uuid.uuid4())
+        event = to_event(request, match.key, match.parameters, request_id, time.time())
         try:
             return to_response(self._functions[match.route.function](event, request_id))
         except FunctionError:

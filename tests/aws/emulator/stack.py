@@ -3,7 +3,6 @@
 import asyncio
 import os
 import time
-import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -111,9 +110,7 @@ class LocalStack:
         self.wait_until_idle = invokes.wait_until_idle
         self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
-        self.gateway = Gateway(
-            self.template, self.functions, time.time, lambda: str(uuid.uuid4()), self._answers_preflights
-        )
+        self.gateway = Gateway(self.template, self.functions, self._answers_preflights)
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), ORIGINS, "development", int(time.time()))
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
