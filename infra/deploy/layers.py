@@ -66,8 +66,7 @@ def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Itera
         if layer.foreign:
             yield f"{name}: of another machine: {', '.join(layer.foreign)}"
         if layer.compiled < 1:
-            share = f"{100 * layer.compiled:.0f} %"
-            yield f"{name}: {share} of its modules are compiled"
+            yield f"{name}: {100 * layer.compiled:.0f} % of its modules are compiled"
 
 
 def _build() -> None:

@@ -157,7 +157,7 @@ def _pages() -> list[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the complete template to a file, for programs that check it."""
+    """Write the complete template to the file named, for programs that check it."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.package", description=main.__doc__)
     parser.add_argument("file", type=Path)
     write_template(complete_template(), parser.parse_args(arguments).file)

@@ -40,14 +40,11 @@ calibdb-ops = "calibdb_server:operate"
 def build(target: Path) -> list[Path]:
     """Build all wheels into a folder; return their paths. Raises SiteError if the site cannot be built."""
     # flit gives all files of a wheel this time: the same commit makes the same bytes.
-    os.environ.setdefault("SOURCE_DATE_EPOCH", _commit_time())
+    command = ["git", "-C", str(ROOT), "log", "-1", "--format=%ct"]
+    committed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
+    os.environ.setdefault("SOURCE_DATE_EPOCH", committed)
     built = [make_wheel_in(project / "pyproject.toml", target).file for project in PROJECTS]
     return [*built, build_server(target)]
-
-
-def _commit_time() -> str:
-    command = ["git", "-C", str(ROOT), "log", "-1", "--format=%ct"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
 
 
 def build_server(target: Path) -> Path:

@@ -19,8 +19,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from calibdb.http.application import IN_THREAD, application, with_default_headers
 
 FUNCTIONS = (
-    *("lookup", "health", "auth", "session", "next_pose", "submit", "rig", "cameras", "export", "checks"),
-    "tokens",
+    *("lookup", "health", "auth", "session", "next_pose", "submit"),
+    *("rig", "cameras", "export", "checks", "tokens"),
 )
 MAX_BODY_BYTES = 6 * 1024 * 1024
 ORIGINS = ("http://127.0.0.1:*", "http://localhost:*", "http://[::1]:*")
@@ -114,7 +114,7 @@ class App:
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request of the API: the body is read here, the endpoint runs in a thread."""
-        body: bytes | None = b""
+        body = b""
         if any(name in (b"content-length", b"transfer-encoding") for name, _ in scope["headers"]):
             try:
                 async with asyncio.timeout(BODY_TIMEOUT_S):
@@ -124,7 +124,7 @@ class App:
                 return
             except ClientDisconnect:
                 return
-        if body is None:
+        if len(body) > MAX_BODY_BYTES:
             await _message(413, "Request Entity Too Large")(scope, receive, send)
             return
         whole: Message = {"type": "http.request", "body": body, "more_body": False}
@@ -142,13 +142,13 @@ class App:
         return future.result() if done else _message(503, "Service Unavailable")
 
 
-async def _read(request: Request) -> bytes | None:
-    """Read the body; None if it is too large."""
+async def _read(request: Request) -> bytes:
+    """Read the body, or its beginning if it is too large."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
         if len(body) > MAX_BODY_BYTES:
-            return None
+            break
     return bytes(body)
 
 

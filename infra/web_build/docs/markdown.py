@@ -127,9 +127,9 @@ def _outline(tokens: Sequence[Token]) -> tuple[list[Heading], list[Section]]:
 
 def _plain(token: Token) -> str:
     """Return the text of inline content without its marks."""
-    shown = {"text", "code_inline"}
+    texts = {"softbreak": " ", "hardbreak": " "}
     parts = [
-        " " if child.type in {"softbreak", "hardbreak"} else child.content if child.type in shown else ""
+        child.content if child.type in {"text", "code_inline"} else texts.get(child.type, "")
         for child in token.children or ()
     ]
     return "".join(parts).strip()

@@ -22,14 +22,19 @@ def samples(call: Call) -> dict[str, str]:
 def _curl(call: Call) -> str:
     method = "" if call.method == ("GET" if call.body is None else "POST") else f" -X {call.method}"
     lines = [f"curl -s{' -G' if call.query else ''}{method} {SITE}{call.path}"]
-    if call.credential:
-        lines.append(f'-H "Authorization: Bearer {call.credential}"')
-    if call.accept:
-        lines.append(f'-H "Accept: {call.accept}"')
+    lines += [f'-H "{name}: {value}"' for name, value in _headers(call).items()]
     lines += [f'--data-urlencode "{name}={value}"' for name, value in call.query.items()]
     if call.body is not None:
-        lines += [f'-H "Content-Type: {JSON}"', f"-d '{_json(call.body)}'"]
+        lines.append(f"-d '{_json(call.body)}'")
     return " \\\n  ".join(lines)
+
+
+def _headers(call: Call) -> dict[str, str]:
+    return {
+        **({"Authorization": f"Bearer {call.credential}"} if call.credential else {}),
+        **({"Accept": call.accept} if call.accept else {}),
+        **({"Content-Type": JSON} if call.body is not None else {}),
+    }
 
 
 def _fetch(call: Call) -> str:
@@ -39,9 +44,8 @@ def _fetch(call: Call) -> str:
         lines.append(f"const query = new URLSearchParams({_javascript(dict(call.query))});")
         where = f"`{SITE}{call.path}?${{query}}`"
     options = [f'method: "{call.method}",'] if call.method != "GET" else []
-    headers = [f'authorization: "Bearer {call.credential}"'] if call.credential else []
-    headers += [f'accept: "{call.accept}"'] if call.accept else []
-    headers += [f'"content-type": "{JSON}"'] if call.body is not None else []
+    names = {"Authorization": "authorization", "Accept": "accept", "Content-Type": '"content-type"'}
+    headers = [f'{names[name]}: "{value}"' for name, value in _headers(call).items()]
     options += [f"headers: {{ {', '.join(headers)} }},"] if headers else []
     if call.body is not None:
         options.append(f"body: JSON.stringify({_javascript(call.body, 1)}),")
@@ -54,10 +58,8 @@ def _fetch(call: Call) -> str:
 
 
 def _httpx(call: Call) -> str:
-    options = []
-    headers = [f'"Authorization": "Bearer {call.credential}"'] if call.credential else []
-    headers += [f'"Accept": "{call.accept}"'] if call.accept else []
-    options += [f"headers={{{', '.join(headers)}}},"] if headers else []
+    headers = [f'"{name}": "{value}"' for name, value in _headers(call).items() if name != "Content-Type"]
+    options = [f"headers={{{', '.join(headers)}}},"] if headers else []
     options += [f"params={_python(dict(call.query))},"] if call.query else []
     options += [f"json={_python(call.body)},"] if call.body is not None else []
     options += ["timeout=30,"]  # s, as long as the service may take; httpx waits for 5 otherwise
