@@ -72,11 +72,11 @@ def backfill_command(
     as_json: Json = False,
 ) -> None:
     """Recompute outdated consensuses: after a new model, another solver or other thresholds."""
-    with open_run(as_json=as_json) as run:
-        done = backfill(run.context, after, dry_run=dry_run)
-        run.output.value(asdict(done))
+    with open_run(as_json=as_json) as (context, output):
+        done = backfill(context, after, dry_run=dry_run)
+        output.value(asdict(done))
         if dry_run:
-            run.output.line(f"{done.modes} modes of cameras would be checked")
+            output.line(f"{done.modes} modes of cameras would be checked")
             return
-        run.output.line(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
+        output.line(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
         raise_failed(done.failed)

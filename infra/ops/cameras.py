@@ -68,16 +68,16 @@ def list_cameras(
     as_json: Json = False,
 ) -> None:
     """List the cameras that were calibrated."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         stored: Counter[str] = Counter()
         withdrawn: Counter[str] = Counter()
-        for name in run.context.track(run.context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
+        for name in context.track(context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
             key = name.split("/")[1]
             if text.lower() in key:
                 (withdrawn if name.endswith(WITHDRAWN) else stored)[key] += 1
         rows = [(key, count, withdrawn[key]) for key, count in sorted(stored.items())]
-        run.output.table(("camera", "#calibrations", "#withdrawn"), rows, (_count_line(*row) for row in rows))
-        run.output.value([{"key": key, "calibrations": n, "withdrawn": m} for key, n, m in rows])
+        output.table(("camera", "#calibrations", "#withdrawn"), rows, (_count_line(*row) for row in rows))
+        output.value([{"key": key, "calibrations": n, "withdrawn": m} for key, n, m in rows])
 
 
 def _count_line(key: str, calibrations: int, withdrawn: int) -> str:
@@ -94,31 +94,31 @@ def show_camera(
     as_json: Json = False,
 ) -> None:
     """Show consensuses and calibrations of one camera."""
-    with open_run(as_json=as_json) as run:
-        stored = list(_read_calibrations(run.context, key))
+    with open_run(as_json=as_json) as (context, output):
+        stored = list(_read_calibrations(context, key))
         if not stored:
             raise OpsError(f"nothing is known of a camera {key}")
         by_mode: dict[StreamMode, list[Stored]] = {}
         for document, withdrawn in stored:
             by_mode.setdefault(reindex.mode_of(document), []).append((document, withdrawn))
-        consensuses = run.context.store.consensuses
+        consensuses = context.store.consensuses
         modes = [Mode(mode, list(consensuses.at(mode)), members) for mode, members in by_mode.items()]
         newest = max((document for document, _ in stored), key=lambda document: document.time)
         # Stored before labels were cleaned, they may contain what a terminal would obey.
         camera, platform = visible(newest.camera), visible(newest.platform)
-        run.output.value({"camera": camera, "platform": platform, "modes": [mode.record() for mode in modes]})
-        run.output.line(f"{camera}, {platform}")
+        output.value({"camera": camera, "platform": platform, "modes": [mode.record() for mode in modes]})
+        output.line(f"{camera}, {platform}")
         for mode in modes:
-            run.output.line(mode.title)
+            output.line(mode.title)
             for consensus in mode.consensuses:
-                run.output.line(f"  {_describe_consensus(consensus)}")
+                output.line(f"  {_describe_consensus(consensus)}")
             rows = [_row(_record(*one)) for one in mode.calibrations]
-            run.output.table(_COLUMNS, rows, (_line(*row) for row in rows))
+            output.table(_COLUMNS, rows, (_line(*row) for row in rows))
         if plot:
             width = min(100, shutil.get_terminal_size().columns)
             for mode in modes:
-                if groups := _group(run.context, mode):
-                    run.output.line(_draw(mode.title, groups, width))
+                if groups := _group(context, mode):
+                    output.line(_draw(mode.title, groups, width))
 
 
 def _read_calibrations(context: OpsContext, camera_key: str) -> Iterator[Stored]:
@@ -204,10 +204,10 @@ def show_use(
     as_json: Json = False,
 ) -> None:
     """Count lookups at the edge by camera."""
-    with open_run(as_json=as_json) as run:
-        use = _count_use(logs, run.context.store.aliases).most_common()
-        run.output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
-        run.output.value([{"camera": label, "lookups": count} for label, count in use])
+    with open_run(as_json=as_json) as (context, output):
+        use = _count_use(logs, context.store.aliases).most_common()
+        output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
+        output.value([{"camera": label, "lookups": count} for label, count in use])
 
 
 def _count_use(folder: Path, aliases: Aliases) -> Counter[str]:

@@ -166,16 +166,16 @@ def _computed_of(key: Key) -> tuple[str, str] | None:
 
 def reindex_command(dry_run: DryRun = False, as_json: Json = False) -> None:
     """Rebuild the index from the bucket, the source of truth."""
-    with open_run(as_json=as_json) as run:
-        done = reindex(run.context, dry_run=dry_run)
-        run.output.value(asdict(done))
+    with open_run(as_json=as_json) as (context, output):
+        done = reindex(context, dry_run=dry_run)
+        output.value(asdict(done))
         if dry_run:
-            run.output.line(
+            output.line(
                 f"{done.calibrations} calibrations, {done.votes} votes, {done.tokens} tokens to index; "
                 f"{done.published} calibrations to publish, {done.removed} stale entries to remove"
             )
             return
-        run.output.line(
+        output.line(
             f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
             f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions, {done.rigs} rigs; "
             f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"

@@ -7,7 +7,6 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -41,23 +40,14 @@ def parse_size(text: str | Size) -> Size:
     return Size(int(width), int(height))
 
 
-@dataclass(frozen=True)
-class Run:
-    """Storage and output of a running command."""
-
-    context: OpsContext
-    output: Output
-
-
 @contextmanager
-def open_run(*, as_json: bool = False) -> Iterator[Run]:
-    """Open the deployment that the environment names, for one command."""
+def open_run(*, as_json: bool = False) -> Iterator[tuple[OpsContext, Output]]:
+    """Open the deployment that the environment names, and the output, for one command."""
     from infra.ops.context import OpsContext
 
     with open_output(as_json=as_json) as output, _opened() as (environment, secret_known):
-        yield Run(
-            OpsContext.of(environment, secret_known=secret_known, echo=output.line, track=track), output
-        )
+        context = OpsContext.of(environment, secret_known=secret_known, echo=output.line, track=track)
+        yield context, output
 
 
 @contextmanager

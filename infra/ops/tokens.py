@@ -12,10 +12,10 @@ from calibdb.access.token_facts import use_summary
 from calibdb.access.tokens import ApiToken, secret_hash, with_secret
 from calibdb.schema.managed_token import TokenUse
 from calibdb.store import Tokens
-from infra.console import confirm
+from infra.console import Output, confirm
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
-from infra.ops.session import DryRun, Json, Run, Yes, open_run
+from infra.ops.session import DryRun, Json, Yes, open_run
 
 app = typer.Typer(help="Issue, list, rotate and revoke API tokens.", no_args_is_help=True)
 TokenId = Annotated[str, typer.Argument(metavar="ID", help="As `token list` prints it.")]
@@ -76,9 +76,9 @@ def _complete_plan(start: str) -> list[str]:
     return [plan for plan in PLANS if plan.startswith(start)]
 
 
-def _print_token(run: Run, token: str) -> None:
-    run.output.line(token)
-    run.output.value({"token": token})
+def _print_token(output: Output, token: str) -> None:
+    output.line(token)
+    output.value({"token": token})
 
 
 @app.command("create")
@@ -92,23 +92,22 @@ def create_token(
     as_json: Json = False,
 ) -> None:
     """Issue a token; it is shown once."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         origins = origin or []
         for one in origins:
             _check(one)
         if plan not in PLANS:
             raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
-        context = run.context
-        _print_token(run, issue(context.store.tokens, origins, plan, context.now, context.random_hex))
+        _print_token(output, issue(context.store.tokens, origins, plan, context.now, context.random_hex))
 
 
 @app.command("list")
 def list_tokens(as_json: Json = False) -> None:
     """List all tokens, without their secrets."""
-    with open_run(as_json=as_json) as run:
-        listing = list_all(run.context)
-        run.output.table(("id", "created", "plan", "made by", "origins"), [describe(one) for one in listing])
-        run.output.value(
+    with open_run(as_json=as_json) as (context, output):
+        listing = list_all(context)
+        output.table(("id", "created", "plan", "made by", "origins"), [describe(one) for one in listing])
+        output.value(
             [
                 {
                     "id": token.id,
@@ -128,47 +127,47 @@ def list_tokens(as_json: Json = False) -> None:
 @app.command("show")
 def show_token(token_id: TokenId, as_json: Json = False) -> None:
     """Show a token and its use: by hour for two days, by day for thirty."""
-    with open_run(as_json=as_json) as run:
-        token = _get(run.context, token_id)
-        used = use(run.context, token_id)
-        run.output.line("  ".join(describe(token)))
+    with open_run(as_json=as_json) as (context, output):
+        token = _get(context, token_id)
+        used = use(context, token_id)
+        output.line("  ".join(describe(token)))
         periods = [*((one.hour, one) for one in used.hours), *((one.day, one) for one in used.days)]
         rows = [(period, one.sessions, one.views, one.poses, one.lookups) for period, one in periods]
-        run.output.table(
+        output.table(
             ("period (UTC)", "sessions", "views", "poses", "lookups"), [row for row in rows if any(row[1:])]
         )
-        run.output.value({"id": token.id, "plan": token.plan, "use": used.model_dump(mode="json")})
+        output.value({"id": token.id, "plan": token.plan, "use": used.model_dump(mode="json")})
 
 
 @app.command("made")
 def count_made(as_json: Json = False) -> None:
     """Count the tokens that people made for themselves, day by day."""
-    with open_run(as_json=as_json) as run:
-        days = list(run.context.store.quotas.issued())
-        run.output.table(("day (UTC)", "tokens"), days)
-        run.output.value([{"day": day, "tokens": count} for day, count in days])
+    with open_run(as_json=as_json) as (context, output):
+        days = list(context.store.quotas.issued())
+        output.table(("day (UTC)", "tokens"), days)
+        output.value([{"day": day, "tokens": count} for day, count in days])
 
 
 @app.command("sweep")
 def sweep_tokens(dry_run: DryRun = False) -> None:
     """Remove trial tokens that expired unused, a week after their end."""
-    with open_run() as run:
-        store = run.context.store.tokens
-        orphans = store.orphans(run.context.now)
+    with open_run() as (context, output):
+        store = context.store.tokens
+        orphans = store.orphans(context.now)
         count = len(orphans) if dry_run else store.remove(orphans)
-        run.output.line(f"{count} trial tokens {'would be ' if dry_run else ''}removed")
+        output.line(f"{count} trial tokens {'would be ' if dry_run else ''}removed")
 
 
 @app.command("revoke")
 def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -> None:
     """Revoke a token for good, within a minute."""
-    with open_run() as run:
-        description = "  ".join(describe(_get(run.context, token_id)))
+    with open_run() as (context, output):
+        description = "  ".join(describe(_get(context, token_id)))
         if dry_run:
-            run.output.line(f"would be revoked: {description}")
+            output.line(f"would be revoked: {description}")
             return
         confirm(f"Revoke for good: {description}?", yes=yes)
-        revoke(run.context, token_id)
+        revoke(context, token_id)
 
 
 @app.command("rotate")
@@ -183,11 +182,10 @@ def rotate_token(
     as_json: Json = False,
 ) -> None:
     """Give a token a new secret; it is shown once."""
-    with open_run(as_json=as_json) as run:
-        context = run.context
+    with open_run(as_json=as_json) as (context, output):
         description = "  ".join(describe(_get(context, token_id)))
         if dry_run:
-            run.output.line(f"would get a new secret: {description}")
+            output.line(f"would get a new secret: {description}")
             return
         confirm(f"End the present secret in {grace:g} hours: {description}?", yes=yes)
         secret = context.random_hex(_SECRET_BYTES)
@@ -196,4 +194,4 @@ def rotate_token(
             token_id,
             lambda known: with_secret(known, secret_hash(secret), context.now, int(grace * HOUR_S)),
         )
-        _print_token(run, f"cdb_{token_id}_{secret}")
+        _print_token(output, f"cdb_{token_id}_{secret}")

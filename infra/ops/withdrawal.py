@@ -18,7 +18,7 @@ from infra.console import confirm
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import replace_dumps
-from infra.ops.session import DryRun, Json, Run, Yes, open_run
+from infra.ops.session import DryRun, Json, Yes, open_run
 
 calibration_app = typer.Typer(help="Withdraw, restore and unname single calibrations.", no_args_is_help=True)
 Ids = Annotated[list[str], typer.Argument(metavar="ID", help="As `camera show` prints them.")]
@@ -213,37 +213,37 @@ def withdraw_calibrations(
     dry_run: DryRun = False,
 ) -> None:
     """Exclude calibrations from all consensuses."""
-    with open_run() as run:
-        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+    with open_run() as (context, output):
+        for calibration_id in context.track(ids, "calibrations", len(ids)):
             if dry_run:
-                _get(run.context, calibration_id)
-                run.output.line(f"would be withdrawn: {calibration_id}")
-            elif not withdraw(run.context, calibration_id, reason):
-                run.output.line("it was withdrawn before")
+                _get(context, calibration_id)
+                output.line(f"would be withdrawn: {calibration_id}")
+            elif not withdraw(context, calibration_id, reason):
+                output.line("it was withdrawn before")
 
 
 @calibration_app.command("unname")
 def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Remove the names that contributors gave to modes of cameras; the calibrations stay."""
-    with open_run() as run:
-        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
-            name = _get(run.context, calibration_id).mode_name
+    with open_run() as (context, output):
+        for calibration_id in context.track(ids, "calibrations", len(ids)):
+            name = _get(context, calibration_id).mode_name
             if dry_run:
-                run.output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
-            elif not run.context.store.calibrations.remove_mode_name(calibration_id):
-                run.output.line("it has no name")
+                output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
+            elif not context.store.calibrations.remove_mode_name(calibration_id):
+                output.line("it has no name")
 
 
 @calibration_app.command("restore")
 def restore_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Include withdrawn calibrations again."""
-    with open_run() as run:
-        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+    with open_run() as (context, output):
+        for calibration_id in context.track(ids, "calibrations", len(ids)):
             if dry_run:
-                _get_withdrawn(run.context, calibration_id)
-                run.output.line(f"would be restored: {calibration_id}")
+                _get_withdrawn(context, calibration_id)
+                output.line(f"would be restored: {calibration_id}")
             else:
-                restore(run.context, calibration_id)
+                restore(context, calibration_id)
 
 
 @contributor_app.callback()
@@ -269,32 +269,36 @@ def forget_contributor(
     as_json: Json = False,
 ) -> None:
     """Remove everything that a contributor sent, for good."""
-    with open_run(as_json=as_json) as run:
-        contributors = _find(run, contributor_id, address, token, receipt)
+    with open_run(as_json=as_json) as (context, output):
+        contributors = _find(context, contributor_id, address, token, receipt)
         ask = not yes and sys.stdin.isatty()
         if dry_run or ask:
-            counted = forget(run.context, contributors, dry_run=True)
-            run.output.value(asdict(counted))
+            counted = forget(context, contributors, dry_run=True)
+            output.value(asdict(counted))
             if dry_run:
-                run.output.line(f"would be removed: {counted}")
+                output.line(f"would be removed: {counted}")
                 return
             confirm(f"Remove {counted} for good?", yes=yes)
-        done = forget(run.context, contributors)
-        run.output.line(f"removed {done}")
-        run.output.value(asdict(done))
+        done = forget(context, contributors)
+        output.line(f"removed {done}")
+        output.value(asdict(done))
 
 
 def _find(
-    run: Run, contributor_id: str | None, address: str | None, token: str | None, receipt: str | None
+    context: OpsContext,
+    contributor_id: str | None,
+    address: str | None,
+    token: str | None,
+    receipt: str | None,
 ) -> set[str]:
     if contributor_id is not None and address is receipt is None:
-        return {_find_contributor(run.context, contributor_id)}
+        return {_find_contributor(context, contributor_id)}
     if receipt is not None and address is contributor_id is None:
-        return _find_contributors_by_receipt(run.context, receipt)
+        return _find_contributors_by_receipt(context, receipt)
     if address is None or contributor_id is not None or receipt is not None:
         raise OpsError("name either a contributor, an address, or a receipt")
-    if not run.context.secret_known:
+    if not context.secret_known:
         raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
-    if matches := _find_contributors_at(run.context, address, token):
+    if matches := _find_contributors_at(context, address, token):
         return matches
     raise OpsError("nothing came from there")
