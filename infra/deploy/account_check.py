@@ -1,10 +1,7 @@
 """Check of an account: whether it can host the stack, before anything is created. It writes nothing."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import boto3
@@ -52,31 +49,17 @@ _CAUSES = (
 )
 
 
-@dataclass(frozen=True)
-class Account:
-    """Clients of the services that are asked; `acm` in us-east-1, whose certificates CloudFront takes."""
-
-    cloudformation: Any
-    lambda_: Any
-    cloudfront: Any
-    acm: Any
-    route53: Any
-
-    @classmethod
-    def of(cls, region: str) -> Account:
-        """Make the clients of the operator's own account."""
-        return cls(
-            cloudformation=boto3.client("cloudformation", region),
-            lambda_=boto3.client("lambda", region),
-            cloudfront=boto3.client("cloudfront"),
-            acm=boto3.client("acm", "us-east-1"),
-            route53=boto3.client("route53"),
-        )
+def clients(region: str) -> dict[str, Any]:
+    """Make the clients of the operator's own account, by service."""
+    make: Any = boto3.client
+    regions = dict.fromkeys(("cloudformation", "lambda", "cloudfront", "route53"), region)
+    # CloudFront takes certificates of us-east-1.
+    return {service: make(service, place) for service, place in (regions | {"acm": "us-east-1"}).items()}
 
 
-def problems(target: Target, account: Account) -> Iterator[str]:
+def problems(target: Target, clients: Mapping[str, Any]) -> Iterator[str]:
     """Find what would make the deployment fail."""
-    stack = aws.describe(account.cloudformation, target.stack)
+    stack = aws.describe(clients["cloudformation"], target.stack)
     parameters = dict(stack.parameters) if stack else {}
     declared = parse(ROOT / "template.yaml")["Parameters"]
     values = (
@@ -84,13 +67,13 @@ def problems(target: Target, account: Account) -> Iterator[str]:
     )
     if stack is not None:
         yield from _status(target.stack, stack.status)
-    yield from _concurrency(account.lambda_, values, parameters)
+    yield from _concurrency(clients["lambda"], values, parameters)
     if not target.exists:
-        yield from _verification(account.cloudfront)
+        yield from _verification(clients["cloudfront"])
     if values["DomainName"]:
-        yield from _certificate(account.acm, values["DomainName"], values["CertificateArn"])
+        yield from _certificate(clients["acm"], values["DomainName"], values["CertificateArn"])
     if values["HostedZoneId"]:
-        yield from _zone(account.route53, values["DomainName"], values["HostedZoneId"])
+        yield from _zone(clients["route53"], values["DomainName"], values["HostedZoneId"])
 
 
 def explain(reasons: Iterable[str]) -> list[str]:

@@ -67,7 +67,7 @@ def _do(step: Step, target: Target, source: Template) -> None:
     region, stack = target.region, target.stack
     match step.kind:
         case "account":
-            if messages := list(account_check.problems(target, account_check.Account.of(region))):
+            if messages := list(account_check.problems(target, account_check.clients(region))):
                 raise DeployError("\n".join(messages))
         case "build" | "run":
             parameters = _fill_in(step.parameters, target)

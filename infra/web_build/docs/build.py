@@ -7,7 +7,6 @@ from html import escape, unescape
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from infra.web_build import openapi
 from infra.web_build.docs import catalog, reference
 from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, ROOT, Entry, address
 from infra.web_build.docs.markdown import Document, Link, Section, render
@@ -44,7 +43,7 @@ def pages(web: Path) -> Mapping[str, str]:
         path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted((ROOT / "docs" / "images").glob("*.svg"))
     }
-    return made | dict(reference.pages(openapi.document())) | {OVERVIEW: _home()} | loaded
+    return made | dict(reference.pages()) | {OVERVIEW: _home()} | loaded
 
 
 def _documents() -> Iterator[tuple[Entry, Document]]:
@@ -82,7 +81,7 @@ def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
         if entry.slug in NOT_SEARCHED:
             continue
         rows += [_row(entry.slug, document.title, section) for section in document.sections]
-    for folder, section in reference.sections(openapi.document()):
+    for folder, section in reference.sections():
         rows += [_row(f"reference/{folder}", "API reference", section)]
     problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
     for kind, status, text in _PROBLEM.findall(problems):

@@ -1,5 +1,6 @@
 """The account is asked, before anything is made, why a deployment would fail; each answer says what to do."""
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -55,8 +56,7 @@ def found(
     cloud.create_distribution.side_effect = distribution
     cloud.describe_certificate.side_effect = [described]
     cloud.get_hosted_zone.return_value = {"HostedZone": {"Name": zone}}
-    account = account_check.Account(cloud, cloud, cloud, cloud, cloud)
-    return list(account_check.problems(target, account))
+    return list(account_check.problems(target, defaultdict(lambda: cloud)))
 
 
 def with_parameters(**parameters: str) -> Target:
