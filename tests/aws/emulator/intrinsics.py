@@ -22,20 +22,16 @@ _ARNS = {
 }
 
 
-class TemplateError(ValueError):
-    """The template says something that cannot be run locally."""
-
-
 def text(value: Any) -> str:
-    """Convert a scalar to the string that CloudFormation makes of it; raises TemplateError for others."""
+    """Convert a scalar to the string that CloudFormation makes of it; raises ValueError for others."""
     if not isinstance(value, bool | int | float | str):
-        raise TemplateError(f"{value!r} stands where a string is wanted")
+        raise ValueError(f"{value!r} stands where a string is wanted")
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 @dataclass(frozen=True)
 class Resolver:
-    """Replaces intrinsic functions by their local values; raises TemplateError for unknown ones."""
+    """Replaces intrinsic functions by their local values; raises ValueError for unknown ones."""
 
     parameters: Mapping[str, Any]
     resources: Mapping[str, Any]
@@ -51,7 +47,7 @@ class Resolver:
                 return re.sub(r"\$\{([^}]+)\}", self._substitute, pattern)
             case {**members}:
                 if unknown := [key for key in members if key.startswith("Fn::") or key == "Condition"]:
-                    raise TemplateError(f"the local stack does not know {unknown[0]}")
+                    raise ValueError(f"the local stack does not know {unknown[0]}")
                 return {key: self(element) for key, element in members.items()}
             case [*elements]:
                 return [self(element) for element in elements]
@@ -62,7 +58,7 @@ class Resolver:
         if name in known:
             return known[name]
         if name not in self.resources:
-            raise TemplateError(f"!Ref {name} names nothing in the template")
+            raise ValueError(f"!Ref {name} names nothing in the template")
         # A function's name is its logical id, so that a log line leads back to the template; bucket and table
         # names must be lower case and look like ones.
         if self.resources[name]["Type"] == "AWS::Serverless::Function":
@@ -72,7 +68,7 @@ class Resolver:
     def _attribute(self, name: str, attribute: str) -> str:
         kind = self.resources.get(name, {}).get("Type")
         if attribute != "Arn" or kind not in _ARNS:
-            raise TemplateError(f"the local stack does not know !GetAtt {name}.{attribute}")
+            raise ValueError(f"the local stack does not know !GetAtt {name}.{attribute}")
         return _ARNS[kind].format(self._ref(name))
 
     def _substitute(self, match: re.Match[str]) -> str:

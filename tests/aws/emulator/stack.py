@@ -28,7 +28,6 @@ from tests.aws.emulator.intrinsics import REGION
 from tests.aws.emulator.invokes import Invokes
 from tests.aws.emulator.storage import Storage
 from tests.aws.emulator.template import load
-from tests.helpers.data import ROOT
 
 # Variables that would lead boto3 away from the storage of this process
 _MISLEADING = (
@@ -83,7 +82,7 @@ class LocalStack:
             "GuidanceUrl": f"{self.url}/calibrate/",
             "Thresholds": "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0",
         }
-        self.template = load(ROOT / "template.yaml", parameters)
+        self.template = load(parameters)
         own = secrets.generate()
         self.environment = {
             **self.template.environment(),

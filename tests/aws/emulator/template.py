@@ -7,11 +7,11 @@ an error, never a guess.
 import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from infra.deploy.template import parse
-from tests.aws.emulator.intrinsics import Resolver, TemplateError, text
+from tests.aws.emulator.intrinsics import Resolver, text
+from tests.helpers.data import ROOT
 
 _parsed = functools.cache(parse)  # for all stacks of a process: nothing changes it
 
@@ -51,19 +51,19 @@ class Template:
     def environment(self) -> dict[str, str]:
         """Merge the variables of all functions, which share one process here.
 
-        Raises TemplateError if two functions give one variable different values.
+        Raises ValueError if two functions give one variable different values.
         """
         union: dict[str, str] = {}
         for function in self.functions.values():
             for variable, value in function.environment.items():
                 if union.setdefault(variable, value) != value:
-                    raise TemplateError(f"{function.name} and another function disagree about {variable}")
+                    raise ValueError(f"{function.name} and another function disagree about {variable}")
         return union
 
 
-def load(path: Path, parameters: Mapping[str, str]) -> Template:
-    """Read a SAM template; `parameters` replace defaults. Raises TemplateError if it cannot be resolved."""
-    document = _parsed(path)
+def load(parameters: Mapping[str, str]) -> Template:
+    """Read the template; `parameters` replace defaults. Raises ValueError if it cannot be resolved."""
+    document = _parsed(ROOT / "template.yaml")
     resources: Mapping[str, Any] = document["Resources"]
     defaults = {name: declared.get("Default") for name, declared in document["Parameters"].items()}
     resolve = Resolver(defaults | dict(parameters), resources)
