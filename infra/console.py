@@ -1,5 +1,6 @@
 """Terminal: tables, progress with the time left, announced steps, questions."""
 
+import functools
 import json
 import sys
 import time
@@ -111,17 +112,12 @@ def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Ite
             bar.advance(task)
 
 
-def _say(text: str) -> None:
-    # Before what a step prints itself.
-    print(text, flush=True)
-
-
 def announce(
     work: str,
     steps: Sequence[Step],
     text: Callable[[Step], str],
     *,
-    say: Callable[[str], None] = _say,
+    say: Callable[[str], None] = functools.partial(print, flush=True),  # noqa: B008
     clock: Callable[[], float] = time.monotonic,
     path: Path = DURATIONS,
 ) -> Iterator[Step]:

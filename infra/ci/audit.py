@@ -82,10 +82,6 @@ def python(packages: list[str], asked: str = ASKED) -> Audit:
         return Audit.of_pip(_answer([*command, "--timeout", "5", "-r", requirements.name]))
 
 
-def _npm() -> Audit:
-    return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"]))
-
-
 def _run(command: list[str]) -> str:
     done = subprocess.run(  # noqa: S603 - our own commands
         command, cwd=ROOT, capture_output=True, text=True, timeout=_AUDIT_TIMEOUT_S, check=False
@@ -109,7 +105,7 @@ def report(name: str, audit: Audit) -> str:
 
 TOOLS: dict[str, Callable[[], Audit]] = {
     "Python": lambda: python(pins(*(ROOT / lock for lock in LOCKS))),
-    "npm": _npm,
+    "npm": lambda: Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"])),
 }
 
 

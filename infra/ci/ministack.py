@@ -15,7 +15,8 @@ _START_TIMEOUT_S = 30.0  # s
 @contextmanager
 def serving() -> Iterator[str]:
     """Run the server within the block and yield its address; raises RuntimeError if it does not answer."""
-    port = _free_port()
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
     environment = {**os.environ, "GATEWAY_PORT": str(port), "MINISTACK_PORT": str(port)}
     environment.pop("PYTHONPATH", None)
     command = [str(_SERVER), "--bind", f"127.0.0.1:{port}", "--log-level", "error", "ministack.app:app"]
@@ -29,13 +30,6 @@ def serving() -> Iterator[str]:
         finally:
             server.terminate()
             server.wait()
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def _answers(port: int, server: subprocess.Popen[bytes]) -> None:

@@ -57,7 +57,9 @@ def complete_template() -> Template:
     for name in ("PageHeaders", "WorkerHeaders"):
         policies = resources[name]["Properties"]["ResponseHeadersPolicyConfig"]["SecurityHeadersConfig"]
         policies["ContentSecurityPolicy"]["ContentSecurityPolicy"] = CONTENT_SECURITY_POLICY
-    pages = json.dumps(_pages())
+    index = "index.html"
+    # Folders of the site with a page, as they stand in addresses
+    pages = json.dumps(sorted(f"/{key.removesuffix(index)}" for key in made_files() if key.endswith(index)))
     for resource in resources.values():
         if resource["Type"] == "AWS::CloudFront::Function":
             properties = resource["Properties"]
@@ -149,11 +151,6 @@ def _edge_function(path: Path, pages: str) -> str:
     missing = json.dumps((WEB / "404.html").read_text(encoding="utf-8"), ensure_ascii=False)
     code = path.read_text(encoding="utf-8")
     return code.replace("PAGES = []", f"PAGES = {pages}").replace('NOT_FOUND = ""', f"NOT_FOUND = {missing}")
-
-
-def _pages() -> list[str]:
-    index = "index.html"
-    return sorted(f"/{key.removesuffix(index)}" for key in made_files() if key.endswith(index))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

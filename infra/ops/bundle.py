@@ -29,16 +29,12 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
         created=context.now,
         track=context.track,
     )
-    made = build_bundle(source, _names(context), max_cameras)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(made.content)
-    return BundleResult(made.cameras, made.calibrations, made.labels, len(made.content), made.compressed)
-
-
-def _names(context: OpsContext) -> dict[str, set[Name]]:
     names_by_camera: defaultdict[str, set[Name]] = defaultdict(set)
     for document, withdrawn in context.every_calibration():
         if not withdrawn:
             key = current_key(document.camera_key, document.camera, document.platform)
             names_by_camera[key] |= names_of(document.camera, document.platform)
-    return names_by_camera
+    made = build_bundle(source, names_by_camera, max_cameras)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(made.content)
+    return BundleResult(made.cameras, made.calibrations, made.labels, len(made.content), made.compressed)

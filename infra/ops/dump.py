@@ -89,7 +89,10 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     ):
         count = 0
         batch: list[CalibrationDocument] = []
-        for document in _select_documents(context, select):
+        for stored, withdrawn in context.every_calibration():
+            document = None if withdrawn else select(stored)
+            if document is None:
+                continue
             lines.write(document.model_dump_json() + "\n")
             count += 1
             batch.append(document)
@@ -104,13 +107,6 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)
     return count, votes
-
-
-def _select_documents(context: OpsContext, select: Select) -> Iterator[CalibrationDocument]:
-    for document, withdrawn in context.every_calibration():
-        copy = None if withdrawn else select(document)
-        if copy is not None:
-            yield copy
 
 
 def _renamed(rig: RigCalibrationDocument, alias: Alias) -> RigCalibrationDocument:

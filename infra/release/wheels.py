@@ -68,8 +68,10 @@ def build_server(target: Path) -> Path:
         (package / "__init__.py").write_text(stamped, encoding="utf-8")
         shutil.copy2(ROOT / "LICENSE", place)
         project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+        listed = {each for group in _GROUPS for each in project["dependency-groups"][group]}
         described = _PROJECT.format(
-            python=project["project"]["requires-python"], dependencies=_dependencies(project)
+            python=project["project"]["requires-python"],
+            dependencies=sorted(each for each in listed if not each.startswith(_NOT_NEEDED)),
         )
         Path(place, "pyproject.toml").write_text(described, encoding="utf-8")
         built: Path = make_wheel_in(Path(place, "pyproject.toml"), target).file
@@ -83,8 +85,3 @@ def _precompress(*folders: Path) -> None:
         compressed = compress(path.name, path.read_bytes(), level=9)
         if compressed is not None:
             path.with_name(f"{path.name}.gz").write_bytes(compressed)
-
-
-def _dependencies(project: dict[str, dict[str, list[str]]]) -> list[str]:
-    listed = {each for group in _GROUPS for each in project["dependency-groups"][group]}
-    return sorted(each for each in listed if not each.startswith(_NOT_NEEDED))

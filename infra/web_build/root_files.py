@@ -110,7 +110,10 @@ class Shell(TypedDict):
 
 def shell(folder: Path = WEB, options: Options | None = None) -> Shell:
     """Return the list of the pages' files: path → SHA-256, hexadecimal."""
-    digests = {path.removeprefix(f"{folder}/"): _hash(path, *_state(path)) for path in _files(folder)}
+    digests = {}
+    for path in _files(folder):
+        status = Path(path).stat()
+        digests[path.removeprefix(f"{folder}/")] = _hash(path, status.st_mtime_ns, status.st_size)
     served = made_files(folder, options)
     made = {key: hashlib.sha256(content).hexdigest() for key, content in served.items()}
     return shell_of(dict(sorted((digests | made).items())))
@@ -138,11 +141,6 @@ def _files(folder: Path) -> Iterator[str]:
     """Paths as texts: they are walked for every visitor."""
     for place, _, names in os.walk(folder):
         yield from (f"{place}/{name}" for name in names if name.endswith(SUFFIXES))
-
-
-def _state(path: str) -> tuple[int, int]:
-    status = Path(path).stat()
-    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=1024)

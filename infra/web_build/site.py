@@ -84,7 +84,11 @@ def build_for_wheel(folder: Path) -> None:
 def _completed(web: Path, state: str, contacts_text: str, origin: str) -> Mapping[str, bytes]:
     """Put the site's own address and contacts in: one build serves all, on any port."""
     contacts = json.loads(contacts_text)
-    files = dict(_make_files(web, state)) if state else _files_of_wheel()
+    if state:
+        files = dict(_make_files(web, state))
+    else:
+        paths = (path for path in MADE_FILES.rglob("*") if path.is_file())
+        files = {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
     for key in [key for key in files if key.endswith(".html")]:
         text = files[key].decode().replace(_ANY_ORIGIN, origin)
         for name, place in _ANY_CONTACTS.items():
@@ -94,11 +98,6 @@ def _completed(web: Path, state: str, contacts_text: str, origin: str) -> Mappin
                 text = re.sub(rf'<li><a href="{re.escape(place)}"[^>]*>[^<]*</a></li>', "", text)
         files[key] = text.encode()
     return files
-
-
-def _files_of_wheel() -> dict[str, bytes]:
-    paths = (path for path in MADE_FILES.rglob("*") if path.is_file())
-    return {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
 
 
 def _sources(web: Path, generated: Mapping[str, str]) -> dict[str, str]:
@@ -128,7 +127,8 @@ def _build(web: Path) -> dict[str, str]:
     from infra.web_build.docs import build
     from infra.web_build.docs.example_pages import example_pages
 
-    source = _repository()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    source = project.get("urls", {}).get("Repository")
     contacts = _ANY_CONTACTS | ({"source": source} if source else {})
     generated = {**build.pages(web), **example_pages(web)}
     task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "contacts": contacts}
@@ -150,13 +150,6 @@ def _build(web: Path) -> dict[str, str]:
     files: dict[str, str] = json.loads(made.stdout)
     others = {key: text for key, text in generated.items() if not key.endswith(".html")}
     return others | files | openapi.files()
-
-
-def _repository() -> str | None:
-    """Address of the source code, if the project states one."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    address: str | None = project.get("urls", {}).get("Repository")
-    return address
 
 
 def _keep(place: Path, made: Mapping[str, str]) -> None:

@@ -50,14 +50,8 @@ def _documents() -> Iterator[tuple[Entry, Document]]:
     for entry in ENTRIES:
         if entry.source:
             text = (ROOT / entry.source).read_text(encoding="utf-8")
-            yield entry, render(_with_import_map(text), _link_from(entry))
-
-
-def _with_import_map(text: str) -> str:
-    def pinned(match: re.Match[str]) -> str:
-        return match[1] + import_map(ROOT / "web", SITE) + match[2]
-
-    return _IMPORT_MAP.sub(pinned, text)
+            text = _IMPORT_MAP.sub(lambda match: match[1] + import_map(ROOT / "web", SITE) + match[2], text)
+            yield entry, render(text, _link_from(entry))
 
 
 def _link_from(entry: Entry) -> Link:
