@@ -89,7 +89,7 @@ def _do(step: Step, target: Target, source: Template) -> None:
             token = page_token.current_token(made, region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
                 page_token.give_canary(made, region, _client("ssm", target), stack)
-            settings = public_settings("/v1", token, stack_parameters)
+            settings = public_settings(token, stack_parameters)
             contact = made.get("SecurityContact") or stack_parameters.get("OperatorContact")
             options = Options(made["SiteUrl"], contacts(stack_parameters))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)

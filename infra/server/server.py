@@ -103,7 +103,7 @@ class Server:
         self.storage = stack.enter_context(opened_for_functions(folder, self.jobs, self.environment))
         self.token = self._admit_token()
         named = {name: os.environ.get(variable, "") for variable, name in OPERATOR_PARAMETERS.items()}
-        settings, options = public_settings("/v1", self.token, named), Options(self.url, contacts(named))
+        settings, options = public_settings(self.token, named), Options(self.url, contacts(named))
         self.pages = Pages(self.web, settings, options, partial(shared_page, store=Store.over(self.storage)))
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)

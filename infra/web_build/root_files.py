@@ -77,10 +77,10 @@ def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]
     return None
 
 
-def public_settings(api: str, token: str, parameters: Mapping[str, str] | None = None) -> dict[str, Any]:
+def public_settings(token: str, parameters: Mapping[str, str]) -> dict[str, Any]:
     """Content of `/config.json`; `parameters`: of the deployment."""
-    settings: dict[str, Any] = {"api": api, "token": token}
-    contact = _operator(parameters or {})
+    settings: dict[str, Any] = {"api": "/v1", "token": token}
+    contact = _operator(parameters)
     return settings | ({"operator": contact} if contact else {})
 
 
