@@ -91,12 +91,10 @@ def _operator(parameters: Mapping[str, str]) -> dict[str, str]:
 
 def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
     """Return the addresses in every page's footer: `contact`, `imprint`."""
-    contact = _operator(parameters)
-    imprint = contact.get("imprint", "")
-    addresses = {"contact": contact.get("contact", "")}
-    addresses["imprint"] = (
-        imprint if imprint.startswith("https://") else "/privacy/#imprint" if contact else ""
-    )
+    operator = _operator(parameters)
+    addresses = {"contact": operator.get("contact", ""), "imprint": operator.get("imprint", "")}
+    if operator and not addresses["imprint"].startswith("https://"):
+        addresses["imprint"] = "/privacy/#imprint"
     return {name: address for name, address in addresses.items() if address}
 
 

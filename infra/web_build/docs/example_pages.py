@@ -16,22 +16,26 @@ _SHARED = ("picture.js", "board.js")
 class Example:
     """One example.
 
-    `name`: the engine. `does`, `lead`: keys of the texts in the gallery and below the heading. `has_virtual`:
-    the virtual camera can stand in. `lines`: the code that matters. `style`: style sheet of the engine.
-    `demo`: content of the page, by default a camera's image with a scene over it. `sources`: scripts that the
-    page shows, below the folder of examples.
+    `name`: the engine. `has_virtual`: the virtual camera can stand in. `lines`: the code that matters.
+    `style`: style sheet of the engine. `demo`: content of the page, by default a camera's image with a scene
+    over it. `sources`: scripts that the page shows, below the folder of examples. `lead`: key of the text
+    below the heading.
     """
 
     folder: str
     name: str
-    heading: str
-    does: str
     has_virtual: bool
     lines: str
+    heading: str = "{name} over a calibrated camera"
     style: str = ""
     demo: str = ""
     sources: tuple[str, ...] = _SHARED
     lead: str = "examples.lead"
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return self.heading.format(name=self.name)
 
     @property
     def message(self) -> str:
@@ -62,8 +66,6 @@ ENGINES = (
     Example(
         "three",
         "three.js",
-        "three.js over a calibrated camera",
-        "examples.three_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -75,8 +77,6 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
     Example(
         "babylon",
         "Babylon.js",
-        "Babylon.js over a calibrated camera",
-        "examples.babylon_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -88,8 +88,6 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
     Example(
         "aframe",
         "A-Frame",
-        "A-Frame over a calibrated camera",
-        "examples.aframe_does",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -102,9 +100,8 @@ registerCalibrated(AFRAME);
     Example(
         "arjs",
         "AR.js",
-        "AR.js with your own camera_para.dat",
-        "examples.arjs_does",
         has_virtual=False,
+        heading="AR.js with your own camera_para.dat",
         lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
 import { cameraParameters } from "calibdb/adapters/artoolkit";
@@ -122,9 +119,8 @@ context.init(() => applyCalibration(camera, calibration, { viewport }));
     Example(
         "stereo",
         "Stereo",
-        "Depth from a rectified pair",
-        "examples.stereo_does",
         has_virtual=True,
+        heading="Depth from a rectified pair",
         lines="""import { rectifyPair, rig } from "calibdb";
 
 const stereo = await rig(id, { token });           // of the page /rig/?id=…
@@ -169,7 +165,7 @@ def _page(web: Path, example: Example) -> str:
         f'<link rel="stylesheet" href="../../docs/docs.css">{style}\n'
         '  <script type="module" src="./main.js"></script>',
         f"""      <div class="opening">
-        <h1 data-t="{example.message}">{example.heading}</h1>
+        <h1 data-t="{example.message}">{example.title}</h1>
         <p data-t="{example.lead}"></p>
       </div>
       <div class="example">
@@ -215,9 +211,9 @@ def _index() -> str:
     cards = [_card("../ar", '<strong data-t="examples.ar"></strong>', "examples.ar_does")]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
-        heading = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
+        heading = f'<strong data-t="{one.message}">{escape(one.title)}</strong>'
         words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
-        cards.append(_card(one.folder, words, one.does))
+        cards.append(_card(one.folder, words, f"{one.message}_does"))
     return _document(
         "Examples",
         "examples.index_lead",

@@ -21,14 +21,7 @@ from pygments.lexers import get_lexer_by_name
 Link = Callable[[str], str | None]
 """Address of a link's target on the site; None if the site has no such page."""
 
-LEXERS = {
-    "sh": "bash",
-    "js": "javascript",
-    "html": "html",
-    "python": "python",
-    "json": "json",
-    "webidl": "webidl",
-}
+_LANGUAGES = ("sh", "js", "html", "python", "json", "webidl")
 
 
 # Spans that no rule colours: blanks, names, operators, punctuation
@@ -89,9 +82,9 @@ def _slug(text: str, taken: set[str]) -> str:
 
 def code(text: str, language: str) -> str:
     """Colour code by the classes of Pygments; plain where the language is not known."""
-    if language not in LEXERS:
+    if language not in _LANGUAGES:
         return html.escape(text, quote=False)
-    lexer = get_lexer_by_name(LEXERS[language], stripnl=False)
+    lexer = get_lexer_by_name(language, stripnl=False)
     coloured = str(highlight(text, lexer, HtmlFormatter(nowrap=True))).rstrip("\n")
     return _PLAIN_SPAN.sub(r"\1", coloured)
 
