@@ -37,8 +37,8 @@ class ReportedCamera:
 
     camera: str
     platform: str
-    zoom: float = 0.0
-    licence: Licence | None = None  # under which the views may be given away; None: not in dumps
+    zoom: float
+    licence: Licence | None  # under which the views may be given away; None: not in dumps
 
 
 def licence_of(name: str | None) -> Licence | None:
@@ -55,10 +55,10 @@ def import_file(
     context: OpsContext,
     path: Path,
     reported: ReportedCamera,
-    options: ReaderOptions = ReaderOptions(),  # noqa: B008 - a value that never changes
-    model: str = "",
+    options: ReaderOptions,
+    model: str,
     *,
-    dry_run: bool = False,
+    dry_run: bool,
 ) -> str:
     """Store the content of a file and describe it; with `dry_run`, only describe it.
 

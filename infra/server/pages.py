@@ -19,7 +19,7 @@ from calibdb.store.dumps import JSON, NO_STATISTICS, STATISTICS
 from calibdb.store.sqlite import SqliteObjects
 from infra.web_build import site
 from infra.web_build.root_files import root_file
-from infra.web_build.sdk import SdkError
+from infra.web_build.sdk import SiteError
 from infra.web_build.site_headers import FOR_EVERYONE, compress, headers, media_type
 
 CHECK_INTERVAL_S = 1.0
@@ -87,7 +87,7 @@ class Pages:
             content = root_file(key, self._folder, self._options, self._settings)
             if content is None:
                 await self._refresh(key)
-        except (site.SiteError, SdkError) as error:
+        except SiteError as error:
             await PlainTextResponse(str(error), 500)(scope, receive, send)
             return
         page = (

@@ -35,8 +35,24 @@ _TYPESCRIPT = (
 _MAX_BUILD_S = 120
 
 
-class SdkError(RuntimeError):
-    """The package cannot be made. The message says why."""
+class SiteError(RuntimeError):
+    """A file of the site cannot be made. The message says why."""
+
+
+def run_node(made: str, program: str, *arguments: str, text: str = "") -> subprocess.CompletedProcess[str]:
+    """Run `node` or `npx`; raises SiteError without Node.js. `made`: what needs it, with its verb."""
+    path = shutil.which(program)
+    if path is None:
+        raise SiteError(f"{made} made with Node.js, which is not there: install it, version 20 or newer")
+    return subprocess.run(  # noqa: S603
+        [path, *arguments],
+        cwd=ROOT,
+        input=text,
+        capture_output=True,
+        text=True,
+        timeout=_MAX_BUILD_S,
+        check=False,
+    )
 
 
 def sdk_files(web: Path) -> Mapping[str, bytes]:
@@ -112,7 +128,7 @@ def _move_module(name: str, content: bytes) -> bytes:
     if name != "request.js":
         return content
     if content.count(_API.encode()) != 1:
-        raise SdkError(f"request.js does not say {_API} once")
+        raise SiteError(f"request.js does not say {_API} once")
     return content.replace(_API.encode(), b'"../../v1"')
 
 
@@ -159,25 +175,15 @@ def _package(sources: Mapping[str, bytes], version: str) -> bytes:
 
 
 def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:
-    npx = shutil.which("npx")
-    if npx is None:
-        raise SdkError("types are made with Node.js, which is not there: install it, version 20 or newer")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for path, content in sources.items():
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
         modules = [str(folder / path) for path in sources if path.endswith(".js")]
-        command = [npx, "--no-install", "tsc", *modules, *_TYPESCRIPT]
-        done = subprocess.run(  # noqa: S603
-            [*command, "--outDir", str(folder / "types"), "--rootDir", name],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            timeout=_MAX_BUILD_S,
-            check=False,
-        )
+        target = ("--outDir", str(folder / "types"), "--rootDir", name)
+        done = run_node("types are", "npx", "--no-install", "tsc", *modules, *_TYPESCRIPT, *target)
         if done.returncode:
-            raise SdkError(f"types of the SDK cannot be made.\n{done.stdout.strip()}{done.stderr.strip()}")
+            raise SiteError(f"types of the SDK cannot be made.\n{done.stdout.strip()}{done.stderr.strip()}")
         made = sorted((folder / "types").rglob("*.d.ts"))
         return {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}

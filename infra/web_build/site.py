@@ -16,7 +16,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -27,7 +26,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from infra.web_build.docs.catalog import ENTRIES
-from infra.web_build.sdk import sdk_files
+from infra.web_build.sdk import SiteError, run_node, sdk_files
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
@@ -39,14 +38,9 @@ _MAX_CACHED = 16
 # In the place of what a deployment says (`Options`)
 _ANY_ORIGIN = "https://origin.invalid"
 _ANY_CONTACTS = {name: f"https://{name}.invalid" for name in ("contact", "imprint")}
-_MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 _MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
 _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
-
-
-class SiteError(RuntimeError):
-    """A file cannot be made. The message says why."""
 
 
 @dataclass(frozen=True)
@@ -132,18 +126,7 @@ def _build(web: Path) -> dict[str, str]:
     contacts = _ANY_CONTACTS | ({"source": source} if source else {})
     generated = {**build.pages(web), **example_pages(web)}
     task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "contacts": contacts}
-    node = shutil.which("node")
-    if node is None:
-        raise SiteError("the site is made with Node.js, which is not there: install it, version 20 or newer")
-    made = subprocess.run(  # noqa: S603
-        [node, str(_PAGE_BUILDER)],
-        cwd=ROOT,
-        input=json.dumps(task),
-        capture_output=True,
-        text=True,
-        timeout=_MAX_BUILD_S,
-        check=False,
-    )
+    made = run_node("the site is", "node", str(_PAGE_BUILDER), text=json.dumps(task))
     if made.returncode:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
