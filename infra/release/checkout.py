@@ -40,7 +40,7 @@ def set_version(fresh: str, root: Path = ROOT) -> None:
 
 def check_clean(root: Path = ROOT) -> None:
     """Raise CheckoutError if a file that git does not ignore differs from the commit, or is not in it."""
-    changed = _git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
+    changed = git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
     if changed:
         names = ", ".join(line[3:] for line in changed[:_MAX_NAMED])
         more = f" and {len(changed) - _MAX_NAMED} more" if len(changed) > _MAX_NAMED else ""
@@ -56,14 +56,15 @@ def check_tag(tag: str, root: Path = ROOT) -> None:
 
 
 def _commit(root: Path, name: str) -> str:
-    return _git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
+    return git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
 
 
 def _parts(text: str) -> tuple[int, ...]:
     return tuple(map(int, text.split(".")))
 
 
-def _git(root: Path, *arguments: str) -> str:
+def git(root: Path, *arguments: str) -> str:
+    """Run git in a checkout and return its output; raises CheckoutError if it fails."""
     done = subprocess.run(  # noqa: S603 - our own command
         ["git", "-C", str(root), *arguments],  # noqa: S607
         capture_output=True,

@@ -2,14 +2,13 @@
 
 import os
 import shutil
-import subprocess
 import tempfile
 import tomllib
 from pathlib import Path
 
 from flit_core.wheel import make_wheel_in  # type: ignore[import-untyped]
 
-from infra.release.checkout import ROOT, version
+from infra.release.checkout import ROOT, git, version
 from infra.web_build import site
 from infra.web_build.site_headers import compress
 
@@ -40,9 +39,7 @@ calibdb-ops = "calibdb_server:operate"
 def build(target: Path) -> list[Path]:
     """Build all wheels into a folder; return their paths. Raises SiteError if the site cannot be built."""
     # flit gives all files of a wheel this time: the same commit makes the same bytes.
-    command = ["git", "-C", str(ROOT), "log", "-1", "--format=%ct"]
-    committed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
-    os.environ.setdefault("SOURCE_DATE_EPOCH", committed)
+    os.environ.setdefault("SOURCE_DATE_EPOCH", git(ROOT, "log", "-1", "--format=%ct").strip())
     built = [make_wheel_in(project / "pyproject.toml", target).file for project in PROJECTS]
     return [*built, build_server(target)]
 
