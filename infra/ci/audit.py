@@ -83,7 +83,7 @@ def python(packages: list[str], asked: str = ASKED) -> Audit:
 
 
 def _run(command: list[str]) -> str:
-    done = subprocess.run(  # noqa: S603 - our own commands
+    done = subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, timeout=_AUDIT_TIMEOUT_S, check=False
     )
     return done.stdout

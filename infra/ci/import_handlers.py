@@ -38,7 +38,7 @@ def _problem(root: Path, folder: str, *, solver: bool) -> str | None:
     layers = ["service", "solver"] if solver else ["service"]
     paths = [str(root / folder), *(str(root / ".build" / "layers" / name / "python") for name in layers)]
     command = [sys.executable, "-I", "-S", "-B", "-c", _PROGRAM.format(paths=paths)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own program
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     return done.stderr.strip().rpartition("\n")[2] if done.returncode else None
 
 

@@ -21,9 +21,7 @@ def serving() -> Iterator[str]:
     environment.pop("PYTHONPATH", None)
     command = [str(_SERVER), "--bind", f"127.0.0.1:{port}", "--log-level", "error", "ministack.app:app"]
     with (_SERVER.parent / "ministack.log").open("w") as log:
-        server = subprocess.Popen(  # noqa: S603 - our own command
-            command, env=environment, cwd=_SERVER.parent, stdout=log, stderr=log
-        )
+        server = subprocess.Popen(command, env=environment, cwd=_SERVER.parent, stdout=log, stderr=log)
         try:
             _answers(port, server)
             yield f"http://127.0.0.1:{port}"

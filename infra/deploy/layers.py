@@ -83,7 +83,7 @@ def _build() -> None:
             f"UV={os.environ.get('UV', 'uv')}",
             f"COMPILE={node} {ROOT / 'infra' / 'deploy' / 'compile.mjs'}",
         ]
-        subprocess.run(command, env=environment, check=True)  # noqa: S603 - our own command
+        subprocess.run(command, env=environment, check=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -72,4 +72,4 @@ def _summaries() -> None:
 
 
 def _run(*command: str) -> None:
-    subprocess.run(command, cwd=ROOT, check=True)  # noqa: S603 - our own commands
+    subprocess.run(command, cwd=ROOT, check=True)

@@ -65,7 +65,7 @@ def _parts(text: str) -> tuple[int, ...]:
 
 def git(root: Path, *arguments: str) -> str:
     """Run git in a checkout and return its output; raises CheckoutError if it fails."""
-    done = subprocess.run(  # noqa: S603 - our own command
+    done = subprocess.run(
         ["git", "-C", str(root), *arguments],  # noqa: S607
         capture_output=True,
         text=True,

@@ -44,7 +44,7 @@ def run_node(made: str, program: str, *arguments: str, text: str = "") -> subpro
     path = shutil.which(program)
     if path is None:
         raise SiteError(f"{made} made with Node.js, which is not there: install it, version 20 or newer")
-    return subprocess.run(  # noqa: S603
+    return subprocess.run(
         [path, *arguments],
         cwd=ROOT,
         input=text,
