@@ -11,9 +11,6 @@ from calibdb.store import Tokens
 from calibdb.store.storage import storage_named
 from infra.ops.tokens import issue
 
-_PLAN, _CANARY_PLAN = "page", "free"
-_CANARY_PARAMETER = "CANARY_TOKEN"
-
 
 def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
     """Return the token for the pages, valid on every address of the site.
@@ -25,10 +22,10 @@ def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, s
 
 def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
     """Give the canary a token, in a secure parameter that only it reads. `made`: outputs of the stack."""
-    name = f"/calibdb/{stack}/{_CANARY_PARAMETER}"
+    name = f"/calibdb/{stack}/CANARY_TOKEN"
     parameters = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
     current = parameters[0]["Value"] if parameters else ""
-    token = admit(_tokens(made, region), current, _origins(made), _CANARY_PLAN)
+    token = admit(_tokens(made, region), current, _origins(made), "free")
     if token != current:
         ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
 
@@ -42,7 +39,7 @@ def _origins(made: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([made["SiteUrl"], f"https://{made['DistributionDomain']}"]))
 
 
-def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = _PLAN) -> str:
+def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = "page") -> str:
     """Return a token that admits pages of `origins`: the known one, changed if necessary, or a new one."""
     parts = parse(known)
     token = tokens.get(parts[0]) if parts else None

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 from xml.sax.saxutils import escape
 
 from infra.web_build.site import LANGUAGES, WEB, Options, made_files
@@ -98,15 +98,7 @@ def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
     return {name: address for name, address in addresses.items() if address}
 
 
-class Shell(TypedDict):
-    """`version` changes with any content; `late` are kept when they are used."""
-
-    version: str
-    files: dict[str, str]
-    late: list[str]
-
-
-def shell(folder: Path = WEB, options: Options | None = None) -> Shell:
+def shell(folder: Path = WEB, options: Options | None = None) -> dict[str, Any]:
     """Return the list of the pages' files: path → SHA-256, hexadecimal."""
     digests = {}
     for path in _files(folder):
@@ -117,10 +109,11 @@ def shell(folder: Path = WEB, options: Options | None = None) -> Shell:
     return shell_of(dict(sorted((digests | made).items())))
 
 
-def shell_of(digests: Mapping[str, str]) -> Shell:
+def shell_of(digests: Mapping[str, str]) -> dict[str, Any]:
     """Select those among files, by path with their SHA-256, that belong to pages.
 
-    The folder `vendor/` may have the hash in its name that an upload gives it.
+    `version` changes with any content, `late` are kept when they are used. The folder `vendor/` may have the
+    hash in its name that an upload gives it.
     """
     files = {
         name: digest
@@ -128,11 +121,7 @@ def shell_of(digests: Mapping[str, str]) -> Shell:
         if Path(name).suffix in SUFFIXES and name not in EXCLUDED_FILES and not EXCLUDED.match(name)
     }
     version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
-    return {
-        "version": version,
-        "files": files,
-        "late": [name for name in files if LAZY.match(name)],
-    }
+    return {"version": version, "files": files, "late": [name for name in files if LAZY.match(name)]}
 
 
 def _files(folder: Path) -> Iterator[str]:
