@@ -97,11 +97,8 @@ def test_folders_lead_to_their_page_and_keep_the_query() -> None:
         {"uri": "/"},
         {"uri": "/sdk/calibdb.js"},
     )
-    assert (folder["uri"], root["uri"], file["uri"]) == (
-        "/calibrate/index.html",
-        "/index.html",
-        "/sdk/calibdb.js",
-    )
+    uris = [folder["uri"], root["uri"], file["uri"]]
+    assert uris == ["/calibrate/index.html", "/index.html", "/sdk/calibdb.js"]
     assert bare["statusCode"] == 301
     assert bare["headers"]["location"]["value"] == "/calibrate/?camera=Cam%20A&tag=1&tag=2"
 
