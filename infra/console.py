@@ -1,7 +1,6 @@
 """Terminal: tables, progress with the time left, announced steps, questions."""
 
-from __future__ import annotations
-
+import functools
 import json
 import sys
 import time
@@ -25,10 +24,7 @@ Total = int | Callable[[], int] | None
 
 
 class Output:
-    """Standard output of one command: for a person a table, for a pipe lines, for a program JSON.
-
-    `as_json`: nothing but one JSON document is written, at the end.
-    """
+    """Standard output of a command: a table for people, lines for a pipe, one JSON document for programs."""
 
     def __init__(self, *, as_json: bool) -> None:
         self._as_json = as_json
@@ -40,18 +36,20 @@ class Output:
             print(text)
 
     def value(self, value: object) -> None:
-        """Set what the JSON document holds."""
+        """Set the content of the JSON document."""
         self._value = value
 
-    def table(self, columns: Sequence[str], rows: Iterable[Sequence[object]], lines: Iterable[str]) -> None:
-        """Write a table on a terminal, `lines` into a pipe or a file.
+    def table(
+        self, columns: Sequence[str], rows: Sequence[Sequence[object]], lines: Iterable[str] | None = None
+    ) -> None:
+        """Write a table on a terminal, `lines` into a pipe or a file: by default the rows' cells.
 
         Programs rely on the lines; a column whose name begins with `#` is aligned to the right.
         """
         if self._as_json:
             return
         if not sys.stdout.isatty():
-            for line in lines:
+            for line in ("  ".join(map(str, row)) for row in rows) if lines is None else lines:
                 print(line)
             return
         table = Table()
@@ -63,14 +61,14 @@ class Output:
         Console().print(table)
 
     def finish(self) -> None:
-        """Write the JSON document, where one is wanted."""
+        """Write the JSON document, if one is wanted."""
         if self._as_json:
             print(json.dumps(self._value, ensure_ascii=False))
         sys.stdout.flush()
 
 
 def confirm(question: str, *, yes: bool) -> None:
-    """Ask a person before something that cannot be taken back; ends the command at `no`.
+    """Ask a person before something irreversible; ends the command at `no`.
 
     Programs, whose standard input is not a terminal, are not asked.
     """
@@ -97,31 +95,21 @@ def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Ite
         yield from items
         return
     number = total() if callable(total) else total
-    with _progress(Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=number)
-        for item in items:
-            yield item
-            bar.advance(task)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
+    with Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(compact=True, elapsed_when_finished=True),
         TextColumn("left"),
-        console=console,
+        console=Console(stderr=True),
         transient=True,
-        # What a command prints meanwhile stands above the bar; into a file it goes as it is.
+        # Output of a command stands above the bar, but goes into a file as it is.
         redirect_stdout=sys.stdout.isatty(),
-        redirect_stderr=True,
-    )
-
-
-def _say(text: str) -> None:
-    # Before what a step prints itself.
-    print(text, flush=True)
+    ) as bar:
+        task = bar.add_task(what, total=number)
+        for item in items:
+            yield item
+            bar.advance(task)
 
 
 def announce(
@@ -129,23 +117,14 @@ def announce(
     steps: Sequence[Step],
     text: Callable[[Step], str],
     *,
-    say: Callable[[str], None] = _say,
+    say: Callable[[str], None] = functools.partial(print, flush=True),  # noqa: B008
     clock: Callable[[], float] = time.monotonic,
     path: Path = DURATIONS,
 ) -> Iterator[Step]:
     """Yield the steps, each after a line with its number, its text, and the time left.
 
-    What steps print themselves (compilers, the SAM CLI) would tear a bar apart; a line before each step
-    survives it. The time left is that of the previous run of the same steps, kept in `.build/durations.json`.
-
-    Parameters
-    ----------
-    work
-        Name under which the durations are kept.
-    steps, text
-        The steps, and what is said of each.
-    say, clock, path
-        Output, seconds, and the file of the durations; for tests.
+    Steps print text themselves (compilers, the SAM CLI), which would tear a bar apart. The time left is that
+    of the previous run of the same steps, kept in `.build/durations.json` under the name `work`.
     """
     previous = _read_durations(path).get(work, {})
     texts = [text(step) for step in steps]
@@ -167,7 +146,6 @@ def format_duration(seconds: float) -> str:
 
 
 def _describe_time_left(expected: Sequence[float | None]) -> str:
-    """Describe the time left, of which a step that never ran makes a lower bound."""
     durations = [seconds for seconds in expected if seconds is not None]
     if not durations:
         return ""
@@ -177,7 +155,6 @@ def _describe_time_left(expected: Sequence[float | None]) -> str:
 
 
 def _read_durations(path: Path) -> dict[str, dict[str, float]]:
-    """Read the durations; what is absent or damaged is left out."""
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

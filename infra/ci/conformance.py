@@ -1,10 +1,7 @@
 """Storage tests against an independent implementation of AWS: `python -m infra.ci.conformance`.
 
-The tests emulate AWS. Where their emulator is more lenient than AWS, tests would not notice;
-ministack is another program by other people.
+It finds differences that the lenience of the tests' emulator hides.
 """
-
-from __future__ import annotations
 
 import os
 import subprocess
@@ -27,7 +24,7 @@ def main() -> int:
     with ministack.serving() as url:
         tests = [sys.executable, "-m", "pytest", "-q", *_TESTS]
         elsewhere = {**os.environ, "CONFORMANCE_ENDPOINT": url}
-        return subprocess.run(tests, cwd=ROOT, env=elsewhere, check=False).returncode  # noqa: S603
+        return subprocess.run(tests, cwd=ROOT, env=elsewhere, check=False).returncode
 
 
 if __name__ == "__main__":

@@ -1,10 +1,8 @@
 """Import of every handler from only the built layers, on Lambda's processor and Python.
 
-`python3.13 infra/ci/import_handlers.py FOLDER`; it needs nothing but the standard library and `.build/layers`
-in FOLDER, so that it runs in Lambda's own image.
+`python3.13 infra/ci/import_handlers.py FOLDER` needs only the standard library and `.build/layers` in FOLDER,
+so that it runs in Lambda's own image.
 """
-
-from __future__ import annotations
 
 import platform
 import re
@@ -32,25 +30,25 @@ def sources(root: Path) -> str:
     return "\n".join(path.read_text(encoding="utf-8") for path in paths)
 
 
-def problem(root: Path, folder: str, *, solver: bool) -> str | None:
-    """Import one handler in a process of its own; return what went wrong, None if nothing did.
+def _problem(root: Path, folder: str, *, solver: bool) -> str | None:
+    """Import one handler in a process of its own; return what went wrong.
 
     Only the function's folder, its layers and the standard library are on the path.
     """
     layers = ["service", "solver"] if solver else ["service"]
     paths = [str(root / folder), *(str(root / ".build" / "layers" / name / "python") for name in layers)]
     command = [sys.executable, "-I", "-S", "-B", "-c", _PROGRAM.format(paths=paths)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own program
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     return done.stderr.strip().rpartition("\n")[2] if done.returncode else None
 
 
 def main(root: Path) -> int:
-    """Import all handlers; return 1 where one cannot be imported, or where there is none."""
+    """Import all handlers; return 1 if one cannot be imported, or if there is none."""
     handlers = list(functions(sources(root)))
     print(f"{platform.machine()}, Python {platform.python_version()}: {len(handlers)} handlers")
     failed = 0
     for folder, solver in handlers:
-        what = problem(root, folder, solver=solver)
+        what = _problem(root, folder, solver=solver)
         failed += what is not None
         print(f"{folder}: {what or 'imported'}")
     return 1 if failed or not handlers else 0

@@ -1,9 +1,4 @@
-"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface.
-
-It lives in an environment of its own, which the Makefile makes, and forgets everything when it ends.
-"""
-
-from __future__ import annotations
+"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface."""
 
 import os
 import socket
@@ -20,27 +15,19 @@ _START_TIMEOUT_S = 30.0  # s
 @contextmanager
 def serving() -> Iterator[str]:
     """Run the server within the block and yield its address; raises RuntimeError if it does not answer."""
-    port = _free_port()
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
     environment = {**os.environ, "GATEWAY_PORT": str(port), "MINISTACK_PORT": str(port)}
     environment.pop("PYTHONPATH", None)
     command = [str(_SERVER), "--bind", f"127.0.0.1:{port}", "--log-level", "error", "ministack.app:app"]
     with (_SERVER.parent / "ministack.log").open("w") as log:
-        server = subprocess.Popen(  # noqa: S603 - our own command
-            command, env=environment, cwd=_SERVER.parent, stdout=log, stderr=log
-        )
+        server = subprocess.Popen(command, env=environment, cwd=_SERVER.parent, stdout=log, stderr=log)
         try:
             _answers(port, server)
             yield f"http://127.0.0.1:{port}"
         finally:
             server.terminate()
             server.wait()
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def _answers(port: int, server: subprocess.Popen[bytes]) -> None:

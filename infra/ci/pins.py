@@ -1,10 +1,8 @@
 """Tests of calibsolver and the client with the lowest and the highest versions: `python -m infra.ci.pins`.
 
-The packages are installed from this checkout by uv, once with the lowest versions that their `pyproject.toml`
-permits and the oldest Python, once with the newest of both. `UV` names uv.
+uv, which `UV` names, installs the packages from this checkout, once with the oldest Python and the lowest
+versions that their `pyproject.toml` permits, once with the newest of both.
 """
-
-from __future__ import annotations
 
 import os
 import shutil
@@ -47,13 +45,13 @@ def main() -> int:
             [*install, "--resolution", resolution, *PACKAGES],
             [*install, *TOOLS],
         ):
-            subprocess.run(command, cwd=ROOT, check=True)  # noqa: S603
+            subprocess.run(command, cwd=ROOT, check=True)
         versions = "import sys, numpy, cv2; print(sys.version.split()[0], numpy.__version__, cv2.__version__)"
         print(f"{name}: Python, numpy, OpenCV", end=" ", flush=True)
-        subprocess.run([interpreter, "-c", versions], check=True)  # noqa: S603
+        subprocess.run([interpreter, "-c", versions], check=True)
         tests = [interpreter, "-m", "pytest", "-q", "--noconftest", "-m", SELECTED, *TESTS]
         elsewhere = {**os.environ, "PYTHONPATH": str(ROOT)}
-        if status := subprocess.run(tests, cwd=ROOT, env=elsewhere, check=False).returncode:  # noqa: S603
+        if status := subprocess.run(tests, cwd=ROOT, env=elsewhere, check=False).returncode:
             return status
     return 0
 

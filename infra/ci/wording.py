@@ -3,8 +3,6 @@
 python -m infra.ci.wording
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess
@@ -106,7 +104,7 @@ def subject_problems(subject: str) -> list[str]:
 def git_lines(*arguments: str) -> Sequence[str]:
     """Lines of git's output; none if it fails, for example because there is no such ref."""
     command = ["git", "-C", str(ROOT), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()  # noqa: S603
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()
 
 
 def main() -> int:

@@ -3,8 +3,6 @@
 AWS credentials are the operator's own, from the environment; a plan needs none.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import shlex
@@ -60,13 +58,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     domain = parameters.get("DomainName")
     target = Target(options.stack, options.region, parameters, f"https://{domain}" if domain else None)
     if options.plan:
-        print("\n".join(plan(target)))
+        print("\n".join(_plan(target)))
         return 0
     try:
         if options.back:
-            go_back(target)
+            _go_back(target)
         elif options.stop or options.resume:
-            switch(target, enabled=options.resume)
+            _switch(target, enabled=options.resume)
         elif options.rotate:
             aws.rotate(boto3.client("ssm", target.region), target.stack)
         elif options.rotate_edge:
@@ -86,8 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def go_back(target: Target) -> None:
-    """Return the API to the release before; raises DeployError if there is none."""
+def _go_back(target: Target) -> None:
     region = target.region
     moved = aws.step_back(
         boto3.client("cloudformation", region), boto3.client("lambda", region), target.stack
@@ -102,8 +99,7 @@ def go_back(target: Target) -> None:
     )
 
 
-def switch(target: Target, *, enabled: bool) -> None:
-    """Enable or disable the site's distribution; raises DeployError if there is none."""
+def _switch(target: Target, *, enabled: bool) -> None:
     made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
     if "DistributionId" not in made:
         raise DeployError(f"there is no stack {target.stack} with a distribution")
@@ -114,8 +110,7 @@ def switch(target: Target, *, enabled: bool) -> None:
         print(f"{made['ApiUrl']} still responds: deploy with RequestRate=1 to stop it too.")
 
 
-def plan(target: Target) -> list[str]:
-    """Describe the steps of `deploy`, line by line."""
+def _plan(target: Target) -> list[str]:
     lines = [f"{target.stack} in {target.region}"]
     for number, step in enumerate(steps(target), 1):
         lines.append(f"{number}. {step.text}")

@@ -1,13 +1,7 @@
-"""Check of an account: whether it can host the stack, before anything is created.
-
-Every problem is one sentence that says what to do. Nothing here writes.
-"""
-
-from __future__ import annotations
+"""Check of an account: whether it can host the stack, before anything is created. It writes nothing."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import boto3
@@ -31,7 +25,7 @@ RESERVED = {
     "ComputeConcurrency": 3,
 }
 _UNRESERVED = " ".join(f"{name}=0" for name in RESERVED)
-_VERIFICATION = re.compile(r"account must be verified", re.IGNORECASE)
+_VERIFICATION = re.compile("(?i)account must be verified")
 _UNVERIFIED = (
     "CloudFront does not make distributions for this account before AWS has verified it: open a support case "
     "(Account and billing, Account verification), wait for its answer, and run `make deploy` again."
@@ -40,46 +34,32 @@ _UNVERIFIED = (
 _CAUSES = (
     (_VERIFICATION, _UNVERIFIED),
     (
-        re.compile(r"UnreservedConcurrentExecution below its minimum", re.IGNORECASE),
+        re.compile("(?i)UnreservedConcurrentExecution below its minimum"),
         "Lambda has no concurrency left to reserve: ask Service Quotas for 1,000 concurrent executions "
         f"(L-B99A9384), or add {_UNRESERVED}.",
     ),
     (
-        re.compile(r"already exists", re.IGNORECASE),
+        re.compile("(?i)already exists"),
         "A resource of that name is there already: deploy under another name with STACK=NAME, or delete it.",
     ),
     (
-        re.compile(r"CNAMEAlreadyExists|One or more of the CNAMEs", re.IGNORECASE),
+        re.compile("(?i)CNAMEAlreadyExists|One or more of the CNAMEs"),
         "Another distribution has DomainName: take the name off it first.",
     ),
 )
 
 
-@dataclass(frozen=True)
-class Account:
-    """Clients of the services that are asked; `acm` in us-east-1, whose certificates CloudFront takes."""
-
-    cloudformation: Any
-    lambda_: Any
-    cloudfront: Any
-    acm: Any
-    route53: Any
-
-    @classmethod
-    def of(cls, region: str) -> Account:
-        """Return the clients of the operator's own account."""
-        return cls(
-            cloudformation=boto3.client("cloudformation", region),
-            lambda_=boto3.client("lambda", region),
-            cloudfront=boto3.client("cloudfront"),
-            acm=boto3.client("acm", "us-east-1"),
-            route53=boto3.client("route53"),
-        )
+def clients(region: str) -> dict[str, Any]:
+    """Make the clients of the operator's own account, by service."""
+    make: Any = boto3.client
+    regions = dict.fromkeys(("cloudformation", "lambda", "cloudfront", "route53"), region)
+    # CloudFront takes certificates of us-east-1.
+    return {service: make(service, place) for service, place in (regions | {"acm": "us-east-1"}).items()}
 
 
-def problems(target: Target, account: Account) -> Iterator[str]:
+def problems(target: Target, clients: Mapping[str, Any]) -> Iterator[str]:
     """Find what would make the deployment fail."""
-    stack = aws.describe(account.cloudformation, target.stack)
+    stack = aws.describe(clients["cloudformation"], target.stack)
     parameters = dict(stack.parameters) if stack else {}
     declared = parse(ROOT / "template.yaml")["Parameters"]
     values = (
@@ -87,17 +67,17 @@ def problems(target: Target, account: Account) -> Iterator[str]:
     )
     if stack is not None:
         yield from _status(target.stack, stack.status)
-    yield from _concurrency(account.lambda_, values, parameters)
+    yield from _concurrency(clients["lambda"], values, parameters)
     if not target.exists:
-        yield from _verification(account.cloudfront)
+        yield from _verification(clients["cloudfront"])
     if values["DomainName"]:
-        yield from _certificate(account.acm, values["DomainName"], values["CertificateArn"])
+        yield from _certificate(clients["acm"], values["DomainName"], values["CertificateArn"])
     if values["HostedZoneId"]:
-        yield from _zone(account.route53, values["DomainName"], values["HostedZoneId"])
+        yield from _zone(clients["route53"], values["DomainName"], values["HostedZoneId"])
 
 
 def explain(reasons: Iterable[str]) -> list[str]:
-    """Add to the reasons that CloudFormation gave what to do about them; unknown ones stand as they are."""
+    """Add to the reasons that CloudFormation gave what to do about them."""
     said = []
     for reason in reasons:
         remedy = next((remedy for pattern, remedy in _CAUSES if pattern.search(reason)), None)
@@ -134,9 +114,9 @@ def _concurrency(lambda_: Any, values: Mapping[str, str], kept: Mapping[str, str
 
 
 def _verification(cloudfront: Any) -> Iterator[str]:
-    """Find out whether CloudFront serves the account: by asking for a distribution that cannot be made.
+    """Find out whether CloudFront serves the account, by asking for a distribution that cannot be made.
 
-    Its origin access control does not exist, so the request fails whatever the account is.
+    Its origin access control does not exist, so the request always fails.
     """
     try:
         cloudfront.create_distribution(DistributionConfig=IMPOSSIBLE)

@@ -1,7 +1,5 @@
 """Calls of a deployment to AWS's API. All of them are idempotent."""
 
-from __future__ import annotations
-
 import json
 import secrets
 from collections.abc import Iterable, Mapping
@@ -16,7 +14,6 @@ from infra.deploy.site import Upload
 SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET")
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
-_MAX_KEYS = 3  # of one list: the one in use, the next, the one before
 _INLINE = ("Probe", "CutoffFunction")  # their code stands in the template: they belong to no release
 FUNCTION, ALIAS = "AWS::Lambda::Function", "AWS::Lambda::Alias"
 UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
@@ -58,35 +55,33 @@ def make_secrets(ssm: Any, stack: str) -> list[str]:
     for name in missing:
         if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
             keys = _read(ssm, stack, "EDGE_SECRETS")[:1]
-        elif name == "EDGE_SECRETS" and _READ_BY_CLOUDFORMATION not in missing:
-            keys = [*_read(ssm, stack, _READ_BY_CLOUDFORMATION), secrets.token_hex(32)]
         else:
             keys = [secrets.token_hex(32) for _ in range(1 if name == "CONTRIBUTOR_SECRET" else 2)]
         _write(ssm, stack, name, keys, overwrite=False)
     return missing
 
 
-def rotate(ssm: Any, stack: str) -> None:
-    """Let the next key sign, keep the previous one, add a new next one.
+def rotate(ssm: Any, stack: str, name: str = "SESSION_SECRETS") -> list[str]:
+    """Let the next key sign, keep the previous one, add a new next one; return the keys.
 
-    Every function knows the next key before it signs. So no function refuses what another has signed while
-    they learn of the rotation, within five minutes.
+    Every function knows the next key before it signs: they learn of a rotation within five minutes.
     """
-    _rotate(ssm, stack, "SESSION_SECRETS")
+    keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
+    _write(ssm, stack, name, keys, overwrite=True)
+    return keys
 
 
 def rotate_edge(ssm: Any, stack: str) -> int:
     """Rotate the secrets of the edge alike; return the version of EDGE_SECRET that CloudFront is to send.
 
-    CloudFront reads it only when its distribution changes; until then it sends the previous one, which
-    functions still accept.
+    CloudFront reads it only when its distribution changes. Until then functions accept the previous one.
     """
-    _write(ssm, stack, _READ_BY_CLOUDFORMATION, _rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
+    _write(ssm, stack, _READ_BY_CLOUDFORMATION, rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
     return edge_secret_version(ssm, stack)
 
 
 def edge_secret_version(ssm: Any, stack: str) -> int:
-    """Read the version of EDGE_SECRET, a whole number from 1."""
+    """Read the version of EDGE_SECRET."""
     response = ssm.get_parameter(Name=f"/calibdb/{stack}/{_READ_BY_CLOUDFORMATION}")
     return int(response["Parameter"]["Version"])
 
@@ -109,12 +104,6 @@ def set_parameter(cloudformation: Any, stack: str, name: str, value: str) -> Non
     cloudformation.get_waiter("stack_update_complete").wait(StackName=stack)
 
 
-def _rotate(ssm: Any, stack: str, name: str) -> list[str]:
-    keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
-    _write(ssm, stack, name, keys, overwrite=True)
-    return keys
-
-
 def _read(ssm: Any, stack: str, name: str) -> list[str]:
     response = ssm.get_parameter(Name=f"/calibdb/{stack}/{name}", WithDecryption=True)
     value: str = response["Parameter"]["Value"]
@@ -131,15 +120,15 @@ def _write(ssm: Any, stack: str, name: str, keys: list[str], *, overwrite: bool)
 
 
 def rotate_keys(keys: list[str], new: str) -> list[str]:
-    """Rotate the keys: of `current, next, before` it makes `next, new, current`."""
-    current, following = keys[0], keys[1] if len(keys) > 1 else None
-    return ([following, new, current] if following else [current, new])[:_MAX_KEYS]
+    """Rotate `current, next, before` to `next, new, current`."""
+    current, *following = keys[:2]
+    return [*following, new, current] if following else [current, new]
 
 
-def outputs(cloudformation: Any, stack: str) -> dict[str, str]:
+def outputs(cloudformation: Any, stack: str) -> Mapping[str, str]:
     """Read the stack's outputs by name."""
     description = describe(cloudformation, stack)
-    return dict(description.outputs) if description else {}
+    return description.outputs if description else {}
 
 
 def physical_id(cloudformation: Any, stack: str, name: str) -> str:
@@ -149,7 +138,7 @@ def physical_id(cloudformation: Any, stack: str, name: str) -> str:
 
 
 def resources(cloudformation: Any, stack: str, kind: str | None = None) -> list[Mapping[str, str]]:
-    """Read the resources of the stack; with `kind`, those of one type."""
+    """Read the resources of the stack, of one type or of all."""
     pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
     every = [resource for page in pages for resource in page["StackResourceSummaries"]]
     return [resource for resource in every if kind in (None, resource["ResourceType"])]
@@ -163,7 +152,7 @@ def versions(lambda_: Any, function: str) -> list[int]:
 
 
 def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
-    """Read the release of each function: at its alias `live` where it has one, else as it is invoked."""
+    """Read the release of each function: at its alias `live` if it has one, else as it is invoked."""
     aliases = resources(cloudformation, stack, ALIAS)
     aliased = {alias["PhysicalResourceId"].split(":")[-2] for alias in aliases}
     result = {}
@@ -178,7 +167,7 @@ def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
 
 
 def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[str, str]]:
-    """Point every alias of the stack at the version before its own; return each function's two versions.
+    """Point each alias of the stack at the version before its own; return both versions by function.
 
     A function without an earlier version stays. Run again, it goes back one more version.
     """
@@ -189,9 +178,11 @@ def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[
         earlier = max((n for n in versions(lambda_, function) if n < current), default=None)
         if earlier is None:
             continue
-        routing: dict[str, Any] = {"AdditionalVersionWeights": {}}
         lambda_.update_alias(
-            FunctionName=function, Name=name, FunctionVersion=str(earlier), RoutingConfig=routing
+            FunctionName=function,
+            Name=name,
+            FunctionVersion=str(earlier),
+            RoutingConfig={"AdditionalVersionWeights": {}},
         )
         moved[function] = str(current), str(earlier)
     return moved
@@ -200,17 +191,11 @@ def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[
 def failures(cloudformation: Any, stack: str) -> list[str]:
     """Read why resources of the newest stack of this name failed, also of one that was deleted since."""
     try:
-        summaries = [
-            s
-            for page in cloudformation.get_paginator("list_stacks").paginate()
-            for s in page["StackSummaries"]
-            if s["StackName"] == stack
-        ]
-        newest = max(summaries, key=lambda s: s["CreationTime"], default=None)
-        events = (
-            cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"] if newest else []
-        )
-    except (ClientError, BotoCoreError):
+        pages = cloudformation.get_paginator("list_stacks").paginate()
+        named = [s for page in pages for s in page["StackSummaries"] if s["StackName"] == stack]
+        newest = max(named, key=lambda s: s["CreationTime"])
+        events = cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"]
+    except (ClientError, BotoCoreError, ValueError):
         return []  # the command itself said more
     return [
         f"{e['LogicalResourceId']}: {e.get('ResourceStatusReason', '')}"
@@ -222,7 +207,7 @@ def failures(cloudformation: Any, stack: str) -> list[str]:
 def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
     """Protect stack and table from deletion.
 
-    Here and not in the template: a creation that fails must be able to delete them.
+    Not in the template: a creation that fails must be able to delete them.
     """
     cloudformation.update_termination_protection(StackName=stack, EnableTerminationProtection=True)
     table = outputs(cloudformation, stack)["TableName"]
@@ -233,8 +218,8 @@ def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     """Upload the files in their order; return how many.
 
-    A versioned file that is there stays as it is. Raises DeployError if its content is another. An initial
-    file gives way to any object of its name.
+    A versioned file that exists stays, and DeployError is raised if its content differs. An initial file
+    gives way to any object of its name.
     """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
@@ -276,7 +261,7 @@ def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
 
 
 def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:
-    """Enable or disable the distribution; False if it is so already. It takes effect within minutes."""
+    """Enable or disable the distribution, which takes minutes; False if it is so already."""
     current = cloudfront.get_distribution_config(Id=distribution)
     config = current["DistributionConfig"]
     if config["Enabled"] == enabled:
@@ -288,7 +273,7 @@ def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:
 
 
 def invalidate(cloudfront: Any, distribution: str, caller: str) -> None:
-    """Have the edge forget everything; `caller` is another one for every time."""
+    """Empty the edge's caches; `caller` is unique to the call."""
     cloudfront.create_invalidation(
         DistributionId=distribution,
         InvalidationBatch={"Paths": {"Quantity": 1, "Items": ["/*"]}, "CallerReference": caller},

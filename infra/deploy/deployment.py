@@ -1,7 +1,5 @@
 """Deployment, step by step."""
 
-from __future__ import annotations
-
 import functools
 import os
 import shlex
@@ -10,6 +8,7 @@ import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from typing import Any
 
 import boto3
 
@@ -33,17 +32,7 @@ from infra.web_build.site import Options
 
 
 def deploy(target: Target, template: Template | None = None, leave_out: Collection[str] = ()) -> None:
-    """Do every step; raises DeployError at the first that fails.
-
-    Parameters
-    ----------
-    target
-        Stack and region of the deployment.
-    template
-        Another complete one than `template.yaml`.
-    leave_out
-        Kinds of steps that are not done.
-    """
+    """Do every step but those of the kinds to `leave_out`; raises DeployError at the first that fails."""
     source = template or complete_template()
     target = find_out(target)
     chosen = [step for step in steps(target) if step.kind not in leave_out]
@@ -52,7 +41,7 @@ def deploy(target: Target, template: Template | None = None, leave_out: Collecti
 
 
 def find_out(target: Target) -> Target:
-    """Complete a target by what its account says: whether the stack is there, and where its site is."""
+    """Complete a target by its account: whether the stack exists, and where its site is."""
     stack = _describe(target)
     if stack is None or stack.status in aws.UNCREATED:
         return target
@@ -61,15 +50,24 @@ def find_out(target: Target) -> Target:
     return replace(target, exists=True, site=f"https://{host}" if host else None)
 
 
+def _client(service: str, target: Target) -> Any:
+    make: Any = boto3.client  # whose types know only literal names
+    return make(service, target.region)
+
+
+def _outputs(target: Target) -> Mapping[str, str]:
+    return aws.outputs(_client("cloudformation", target), target.stack)
+
+
 def _describe(target: Target) -> aws.Stack | None:
-    return aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    return aws.describe(_client("cloudformation", target), target.stack)
 
 
 def _do(step: Step, target: Target, source: Template) -> None:
     region, stack = target.region, target.stack
     match step.kind:
         case "account":
-            if messages := list(account_check.problems(target, account_check.Account.of(region))):
+            if messages := list(account_check.problems(target, account_check.clients(region))):
                 raise DeployError("\n".join(messages))
         case "build" | "run":
             parameters = _fill_in(step.parameters, target)
@@ -82,27 +80,27 @@ def _do(step: Step, target: Target, source: Template) -> None:
         case "package":
             print(f"   release {_package(target, source)}")
         case "secrets":
-            aws.make_secrets(boto3.client("ssm", region), stack)
+            aws.make_secrets(_client("ssm", target), stack)
         case "upload":
             if (described := _describe(target)) is None:
                 raise DeployError(f"there is no stack {stack}")
             made, stack_parameters = described.outputs, described.parameters
-            s3, bucket = boto3.client("s3", region), made["WebBucketName"]
+            s3, bucket = _client("s3", target), made["WebBucketName"]
             token = page_token.current_token(made, region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
-                page_token.give_canary(made, region, boto3.client("ssm", region), stack)
-            settings = public_settings("/v1", token, stack_parameters)
+                page_token.give_canary(made, region, _client("ssm", target), stack)
+            settings = public_settings(token, stack_parameters)
             contact = made.get("SecurityContact") or stack_parameters.get("OperatorContact")
             options = Options(made["SiteUrl"], contacts(stack_parameters))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
-            made = aws.outputs(boto3.client("cloudformation", region), stack)
+            made = _outputs(target)
             aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
         case "protect":
-            aws.protect(boto3.client("cloudformation", region), boto3.client("dynamodb", region), stack)
+            aws.protect(_client("cloudformation", target), _client("dynamodb", target), stack)
         case "prune":
-            clients = {name: boto3.client(name, region) for name in ("cloudformation", "lambda", "s3")}
+            clients = {name: _client(name, target) for name in ("cloudformation", "lambda", "s3")}
             versions, artifacts = prune(clients, stack, datetime.now(UTC))
             print(f"   {versions} versions, {artifacts} artifacts")
         case "smoke":
@@ -130,29 +128,29 @@ def _package(target: Target, source: Template) -> str:
 
 def _smoke(target: Target, source: Template) -> Iterator[str]:
     region, stack = target.region, target.stack
-    cloudformation, lambda_ = boto3.client("cloudformation", region), boto3.client("lambda", region)
-    made = aws.outputs(cloudformation, stack)
+    cloudformation, lambda_ = _client("cloudformation", target), _client("lambda", target)
+    made = _outputs(target)
     site = smoke.Site(made["SiteUrl"], made["DistributionDomain"])
     yield from smoke.unreleased(aws.releases(cloudformation, lambda_, stack), release(target, source))
     yield from smoke.problems(smoke.make_requester(site.url, site.distribution), site)
     # Pages of other origins may use the API's own address, where the edge answers no preflights.
     at_api = smoke.make_requester(made["ApiUrl"].removesuffix("/v1"))
     yield from (f"{made['ApiUrl']}: {problem}" for problem in smoke.preflight_problems(at_api, "/v1/lookup"))
-    settings = aws.settings(boto3.client("s3", region), made["WebBucketName"]) or {}
+    settings = aws.settings(_client("s3", target), made["WebBucketName"]) or {}
     refit = aws.physical_id(cloudformation, stack, "RefitFunction")
     remove = functools.partial(smoke_capture.remove, made, region, refit)
     yield from smoke_capture.problems(site, settings.get("token", ""), remove)
 
 
 def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
-    """Parameters with the stack's outputs and the version of the edge's secret in place of their names."""
+    """Fill in the stack's outputs and the version of the edge's secret."""
     values: dict[str, str] = {}
     text = "".join(parameters.values())
     if "{SiteUrl}" in text:
-        made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
+        made = _outputs(target)
         values["{SiteUrl}"] = made["SiteUrl"]
     if "{EdgeSecretVersion}" in text:
-        version = aws.edge_secret_version(boto3.client("ssm", target.region), target.stack)
+        version = aws.edge_secret_version(_client("ssm", target), target.stack)
         values["{EdgeSecretVersion}"] = str(version)
     filled = dict(parameters)
     for place, value in values.items():
@@ -161,7 +159,6 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
 
 
 def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    """Names of parameters whose values differ in the stack."""
     if not parameters:
         return []
     stack = _describe(target)
@@ -171,10 +168,10 @@ def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
 
 def _run(command: Sequence[str], target: Target) -> None:
     quiet = {**os.environ, "SAM_CLI_TELEMETRY": "0"}
-    done = subprocess.run(command, cwd=ROOT, env=quiet, check=False)  # noqa: S603 - our own steps
+    done = subprocess.run(command, cwd=ROOT, env=quiet, check=False)
     if done.returncode:
         said = f"{shlex.join(command)} failed"
         if command[1:2] == ["deploy"]:
-            events = aws.failures(boto3.client("cloudformation", target.region), target.stack)
+            events = aws.failures(_client("cloudformation", target), target.stack)
             said = "\n".join([said, *account_check.explain(events)])
         raise DeployError(said)

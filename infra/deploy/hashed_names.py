@@ -1,11 +1,9 @@
 """Names of our own scripts and styles that change with their contents.
 
 During an upload edges have files of two releases. A page names the files that it was made with, so it gets
-all of them of one release: each name has the digest of all scripts and styles. One digest for all, since
-modules import each other in circles; the folder stays, so that addresses relative to a module mean the same.
+all of them of one release. All names have one digest of all files, since modules import each other in
+circles. The folder stays, so that addresses relative to a module mean the same.
 """
-
-from __future__ import annotations
 
 import posixpath
 import re
@@ -24,15 +22,7 @@ _NOT_OURS = {"config.json", "openapi.json"}  # another with each deployment, or 
 
 
 def rename(files: Mapping[str, bytes], digest: str) -> dict[str, bytes]:
-    """Give scripts and styles their names with `digest`, wherever they are named.
-
-    Parameters
-    ----------
-    files
-        Key -> content.
-    digest
-        Digest of the contents of `hashed(files)`.
-    """
+    """Give scripts and styles their names with `digest`, that of `hashed(files)`, wherever they are named."""
     own = hashed(files)
     names = {key: _name(key, digest) for key in own}
     result = {}

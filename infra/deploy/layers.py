@@ -1,6 +1,6 @@
 """Check of the built layers against Lambda's limits and size budgets.
 
-`python -m infra.deploy.layers` checks `.build/layers`; with `--build` it makes them first.
+`python -m infra.deploy.layers` checks `.build/layers`; `--build` makes them first.
 """
 
 from __future__ import annotations
@@ -28,14 +28,8 @@ _FOREIGN = ("x86_64", "win32", "darwin")
 class BuiltLayer:
     """One layer as it lies in its folder.
 
-    Attributes
-    ----------
-    megabytes
-        Unzipped, 10^6 bytes.
-    compiled
-        Share of the modules that are byte-compiled for Python 3.13.
-    foreign
-        Libraries of other machines than Lambda's.
+    `megabytes`: unzipped, 10^6 bytes. `compiled`: share of the modules that are byte-compiled for Python
+    3.13. `foreign`: libraries of other machines than Lambda's.
     """
 
     megabytes: float
@@ -44,7 +38,7 @@ class BuiltLayer:
 
     @classmethod
     def of(cls, folder: Path) -> BuiltLayer:
-        """Look through a layer's folder."""
+        """Inspect a layer's folder."""
         files = [path for path in folder.rglob("*") if path.is_file()]
         sources = [path for path in files if path.suffix == ".py"]
         compiled = {path.name.removesuffix(".cpython-313.pyc") for path in files if path.suffix == ".pyc"}
@@ -72,12 +66,11 @@ def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Itera
         if layer.foreign:
             yield f"{name}: of another machine: {', '.join(layer.foreign)}"
         if layer.compiled < 1:
-            share = f"{100 * layer.compiled:.0f} %"
-            yield f"{name}: {share} of its modules are compiled"
+            yield f"{name}: {100 * layer.compiled:.0f} % of its modules are compiled"
 
 
-def build() -> None:
-    """Build both layers by the rules of their own Makefiles; raises CalledProcessError."""
+def _build() -> None:
+    """Build both layers with their own Makefiles."""
     shutil.rmtree(BUILT, ignore_errors=True)
     node = shutil.which("node") or "node"
     # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
@@ -90,16 +83,16 @@ def build() -> None:
             f"UV={os.environ.get('UV', 'uv')}",
             f"COMPILE={node} {ROOT / 'infra' / 'deploy' / 'compile.mjs'}",
         ]
-        subprocess.run(command, env=environment, check=True)  # noqa: S603 - our own command
+        subprocess.run(command, env=environment, check=True)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Build, if asked to, and print the sizes; return 1 where something is wrong."""
+    """Build if asked to, and print the sizes; return 1 if something is wrong."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.layers")
     parser.add_argument("--build", action="store_true", help="build both layers first")
     if parser.parse_args(arguments).build:
         try:
-            build()
+            _build()
         except subprocess.CalledProcessError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1

@@ -1,7 +1,5 @@
 """Package of a release: the template that is deployed, and the digest that names the release."""
 
-from __future__ import annotations
-
 import argparse
 import copy
 import hashlib
@@ -47,10 +45,9 @@ Template = dict[str, Any]
 
 
 def complete_template() -> Template:
-    """Return the template with what stands in files of its own.
+    """Return the template with its parts in other files: resources, the dashboard, the edge's functions.
 
-    These are resources, the body of the dashboard, and the edge's functions: CloudFormation wants bodies and
-    code as strings, of which `AWS::Include` makes maps.
+    CloudFormation requires bodies and code as strings, of which `AWS::Include` makes maps.
     """
     document = parse(ROOT / "template.yaml")
     resources = document["Resources"]
@@ -60,7 +57,9 @@ def complete_template() -> Template:
     for name in ("PageHeaders", "WorkerHeaders"):
         policies = resources[name]["Properties"]["ResponseHeadersPolicyConfig"]["SecurityHeadersConfig"]
         policies["ContentSecurityPolicy"]["ContentSecurityPolicy"] = CONTENT_SECURITY_POLICY
-    pages = json.dumps(_pages())
+    index = "index.html"
+    # Folders of the site with a page, as they stand in addresses
+    pages = json.dumps(sorted(f"/{key.removesuffix(index)}" for key in made_files() if key.endswith(index)))
     for resource in resources.values():
         if resource["Type"] == "AWS::CloudFront::Function":
             properties = resource["Properties"]
@@ -69,7 +68,6 @@ def complete_template() -> Template:
 
 
 def _resources(fragment: Template) -> Template:
-    """Return the resources of a fragment: those that it writes out, its alarms and its policies."""
     resources: Template = dict(fragment["Resources"])
     for name, alarm in fragment.get("Alarms", {}).items():
         condition = {"Condition": alarm.pop("Condition")} if "Condition" in alarm else {}
@@ -84,8 +82,8 @@ def _resources(fragment: Template) -> Template:
 def package_template(complete: Template, release: str = UNRELEASED, *, traced: bool = False) -> Template:
     """Convert the complete template to the one in `.build/deploy`, of this release.
 
-    Its paths are relative to that folder; its layers are the built ones. Only with `traced` may functions
-    write traces.
+    Its paths are relative to that folder, its layers the built ones. Functions may write traces only if
+    `traced`.
     """
     document = copy.deepcopy(complete)
     functions = document["Globals"]["Function"]
@@ -101,7 +99,7 @@ def package_template(complete: Template, release: str = UNRELEASED, *, traced: b
 
 
 def write_template(document: Template, path: Path) -> None:
-    """Write a template to a file, as JSON, which is YAML."""
+    """Write a template as JSON, which is YAML."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(document, indent=1), encoding="utf-8")
 
@@ -111,15 +109,8 @@ def release_digest(complete: Template, parameters: Mapping[str, str], code: Iter
 
     SAM makes a new version of a function when the function's own package or its environment as written
     changes. This digest in the environment makes it do so when a layer or a parameter's value changes.
-
-    Parameters
-    ----------
-    complete
-        The complete template.
-    parameters
-        Values over the template's defaults; those that no function names change nothing.
-    code
-        Folders whose files count, names and contents.
+    `parameters` replace the template's defaults. Of the folders `code`, names and contents of all files
+    count.
     """
     values = {n: str(p.get("Default", "")) for n, p in complete["Parameters"].items()} | dict(parameters)
     named = sorted(set(_references(_of_functions(complete))) & values.keys())
@@ -143,7 +134,7 @@ def _of_functions(document: Mapping[str, Any]) -> list[Any]:
 
 
 def _references(value: Any) -> Iterator[str]:
-    """Yield the names in every `!Ref` and `!Sub` of a template's value."""
+    """Yield the names in every `!Ref` and `!Sub` of a value."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             if key == "Ref":
@@ -160,12 +151,6 @@ def _edge_function(path: Path, pages: str) -> str:
     missing = json.dumps((WEB / "404.html").read_text(encoding="utf-8"), ensure_ascii=False)
     code = path.read_text(encoding="utf-8")
     return code.replace("PAGES = []", f"PAGES = {pages}").replace('NOT_FOUND = ""', f"NOT_FOUND = {missing}")
-
-
-def _pages() -> list[str]:
-    """List the folders of the site that hold a page, as they stand in addresses."""
-    index = "index.html"
-    return sorted(f"/{key.removesuffix(index)}" for key in made_files() if key.endswith(index))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,7 +1,5 @@
 """Tokens of the site's own pages and of its canary: they follow the site's address."""
 
-from __future__ import annotations
-
 import secrets
 import time
 from collections.abc import Mapping, Sequence
@@ -13,37 +11,21 @@ from calibdb.store import Tokens
 from calibdb.store.storage import storage_named
 from infra.ops.tokens import issue
 
-_PLAN, _CANARY_PLAN = "page", "free"
-_CANARY_PARAMETER = "CANARY_TOKEN"
-
 
 def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
-    """Return the token that the pages of a stack are given, valid on every address of the site.
+    """Return the token for the pages, valid on every address of the site.
 
-    Parameters
-    ----------
-    made
-        Outputs of the stack.
-    settings
-        The deployed `/config.json`, None if there is none.
+    `made`: outputs of the stack. `settings`: the deployed `/config.json`, None if there is none.
     """
     return admit(_tokens(made, region), (settings or {}).get("token", ""), _origins(made))
 
 
 def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
-    """Give the canary a token, in a secure parameter that only it reads.
-
-    Parameters
-    ----------
-    made
-        Outputs of the stack.
-    ssm
-        Client of the parameter store.
-    """
-    name = f"/calibdb/{stack}/{_CANARY_PARAMETER}"
+    """Give the canary a token, in a secure parameter that only it reads. `made`: outputs of the stack."""
+    name = f"/calibdb/{stack}/CANARY_TOKEN"
     parameters = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
     current = parameters[0]["Value"] if parameters else ""
-    token = admit(_tokens(made, region), current, _origins(made), _CANARY_PLAN)
+    token = admit(_tokens(made, region), current, _origins(made), "free")
     if token != current:
         ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
 
@@ -57,8 +39,8 @@ def _origins(made: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([made["SiteUrl"], f"https://{made['DistributionDomain']}"]))
 
 
-def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = _PLAN) -> str:
-    """Return a token that admits pages of `origins`: the known one, changed if need be, or a new one."""
+def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = "page") -> str:
+    """Return a token that admits pages of `origins`: the known one, changed if necessary, or a new one."""
     parts = parse(known)
     token = tokens.get(parts[0]) if parts else None
     if token is not None:

@@ -1,11 +1,9 @@
 """Processor time of a computation here, relative to the machine on which the limits of requests were set.
 
-`python -m infra.deploy.processor` prints the factor for the parameter `ProcessorFactor`; with `--check` it
-fails if the template's default is less than this processor needs. A virtual processor of Lambda is slower
-than a core of a machine of the same kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
+`python -m infra.deploy.processor` prints the factor for the parameter `ProcessorFactor`; `--check` compares
+it with the template's default. A virtual processor of Lambda is slower than a core of a machine of the same
+kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
 """
-
-from __future__ import annotations
 
 import argparse
 import sys

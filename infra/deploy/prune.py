@@ -1,7 +1,5 @@
 """Removal of old versions of functions, and of artifacts that no template names."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from datetime import datetime, timedelta
@@ -16,10 +14,7 @@ _MAX_OBJECTS_PER_DELETE = 1000
 
 
 def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, int]:
-    """Remove old versions and artifacts; return how many of each.
-
-    `clients`: of `cloudformation`, `lambda` and `s3`.
-    """
+    """Remove old versions and artifacts; return the numbers of both. `clients`: by name of the service."""
     cloudformation = clients["cloudformation"]
     functions = aws.resources(cloudformation, stack, aws.FUNCTION)
     versions = sum(_prune_versions(clients["lambda"], each["PhysicalResourceId"]) for each in functions)

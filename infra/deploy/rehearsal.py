@@ -1,11 +1,9 @@
 """Rehearsal of the deployment against ministack: `python -m infra.deploy.rehearsal`.
 
-Everything is done by what does it on AWS: SAM's command line packs and uploads functions and layers, a stack
-is made of the template and changed, the site is uploaded, the pages get their token, the keys are rotated.
-What ministack does not know, or what only AWS can answer, is left out and said.
+SAM's command line packs and uploads functions and layers, a stack is made of the template and changed, the
+site is uploaded, the pages get their token, the keys are rotated. What ministack does not support, or only
+AWS can answer, is left out and printed.
 """
-
-from __future__ import annotations
 
 import json
 import os
@@ -32,12 +30,14 @@ UNSUPPORTED = (
 )
 # The emulator does not deliver the site, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("account", "smoke")
+Versions = dict[str, tuple[str, str]]
+"""Version and release of each alias, by the function's name."""
 # A change only in a layer
 _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"
 
 
 def main() -> int:
-    """Deploy, change a layer, deploy nothing new, rotate; return 1 where what is there then is wrong."""
+    """Deploy, change a layer, deploy nothing new, rotate; return 1 if the result is wrong."""
     with ministack.serving() as url:
         os.environ |= {
             "AWS_ENDPOINT_URL": url,
@@ -65,7 +65,7 @@ def main() -> int:
             return 1
         finally:
             _CHANGED.unlink(missing_ok=True)
-        messages = [*problems(), *_find_unpublished(first, second, third)]
+        messages = [*_problems(), *_find_unpublished(first, second, third)]
         if _settings() != settings:
             messages.append("the second deployment gave the pages another token")
     print(f"left out: {', '.join((*UNSUPPORTED, *_ONLY_ON_AWS))}")
@@ -74,8 +74,7 @@ def main() -> int:
     return 1 if messages else 0
 
 
-def _live() -> dict[str, tuple[str, str]]:
-    """Read version and release that each alias points to, by the function's name."""
+def _live() -> Versions:
     cloudformation, lambda_ = boto3.client("cloudformation"), boto3.client("lambda")
     versions = {}
     for name, release in aws.releases(cloudformation, lambda_, REHEARSAL.stack).items():
@@ -87,9 +86,7 @@ def _live() -> dict[str, tuple[str, str]]:
     return versions
 
 
-def _find_unpublished(
-    first: dict[str, tuple[str, str]], second: dict[str, tuple[str, str]], third: dict[str, tuple[str, str]]
-) -> Iterator[str]:
+def _find_unpublished(first: Versions, second: Versions, third: Versions) -> Iterator[str]:
     """Find functions that a change in a layer did not reach, or that were published without a change."""
     for name, (version, release) in second.items():
         if release == first[name][1]:
@@ -104,7 +101,7 @@ def _find_unpublished(
 
 
 def remove_unsupported(template: Template) -> Template:
-    """Remove from a template what ministack does not support: resources, and deployments by CodeDeploy."""
+    """Remove what ministack does not support: resources, and deployments by CodeDeploy."""
     resources = template["Resources"]
     for name in UNSUPPORTED:
         del resources[name]
@@ -118,7 +115,7 @@ def remove_unsupported(template: Template) -> Template:
     return template
 
 
-def problems() -> Iterator[str]:
+def _problems() -> Iterator[str]:
     """Find the differences between the template and the deployed resources."""
     cloudformation = boto3.client("cloudformation")
     (stack,) = cloudformation.describe_stacks(StackName=REHEARSAL.stack)["Stacks"]
@@ -131,22 +128,13 @@ def problems() -> Iterator[str]:
         yield f"the stack has other values than asked for: {', '.join(different)}"
     if parameters["GuidanceUrl"] != f"{made['SiteUrl']}/calibrate/":
         yield f"lookups are sent to {parameters['GuidanceUrl']}"
-    s3 = boto3.client("s3")
-    for bucket in (made["KeypointBucketName"], made["WebBucketName"]):
-        if s3.get_bucket_versioning(Bucket=bucket).get("Status") != "Enabled":
-            yield f"{bucket} keeps no versions"
-        closed = s3.get_public_access_block(Bucket=bucket)["PublicAccessBlockConfiguration"]
-        if not all(closed.values()):
-            yield f"{bucket} can be made public"
-        if "aws:SecureTransport" not in s3.get_bucket_policy(Bucket=bucket)["Policy"]:
-            yield f"{bucket} is open without TLS"
     secrets = boto3.client("ssm").get_parameters_by_path(
         Path=f"/calibdb/{REHEARSAL.stack}", WithDecryption=True
     )
     keys = {p["Name"].rpartition("/")[2]: p["Value"].count(",") + 1 for p in secrets["Parameters"]}
     if keys != {"SESSION_SECRETS": 3, "CONTRIBUTOR_SECRET": 1, "EDGE_SECRETS": 3, "EDGE_SECRET": 1}:
         yield f"the secrets hold so many keys: {keys}"
-    page = s3.head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
+    page = boto3.client("s3").head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
     if page["ContentType"] != "text/html; charset=utf-8":
         yield f"a page is {page['ContentType']}"
     print(f"{len(aws.resources(cloudformation, REHEARSAL.stack))} resources, {len(made)} outputs")

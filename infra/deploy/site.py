@@ -1,7 +1,5 @@
 """The static client as it is uploaded: names, types, encodings, and how long each file may be kept."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import json
@@ -51,18 +49,10 @@ def uploads(
     now: datetime | None = None,
     options: site.Options | None = None,
 ) -> Iterator[Upload]:
-    """Yield everything to upload, pages last: what they load is there before them; then the list of it all.
+    """Yield everything to upload, pages after what they load; then the list of it all.
 
-    Parameters
-    ----------
-    web
-        The client, with `vendor/`.
-    settings
-        Content of `/config.json`: `api`, `token`, `operator`.
-    contact, now
-        Contact for vulnerabilities, and the time; without both there is no `security.txt`.
-    options
-        Facts about the deployment for the pages. Without an origin, no `robots.txt` and no sitemap.
+    `web`: the client, with `vendor/`. `settings`: content of `/config.json`. Without `contact` and `now`
+    there is no `security.txt`, without an origin in `options` neither `robots.txt` nor a sitemap.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()

@@ -1,9 +1,7 @@
-"""Smoke test of a deployment: what its pages, and pages of other origins, need of it.
+"""Smoke test of a deployment, for its pages and pages of other origins.
 
-Nothing is left behind but one capture, which `infra.deploy.smoke_capture` removes.
+It leaves nothing but one capture, which `infra.deploy.smoke_capture` removes.
 """
-
-from __future__ import annotations
 
 import json
 import socket
@@ -28,33 +26,28 @@ _PREFLIGHT = {
 
 @dataclass(frozen=True)
 class Site:
-    """Addresses of a deployment.
-
-    Attributes
-    ----------
-    url
-        Address of the site, without a slash at the end.
-    distribution
-        Domain name of its CloudFront distribution; None if there is none.
-    """
+    """Addresses of a deployment: the site, without slash, and the domain name of its distribution."""
 
     url: str
     distribution: str | None = None
 
 
-Ask = Callable[[str, str, Mapping[str, str], bytes | None], httpx.Response]
-"""Method, path, headers and body to answer."""
+Ask = Callable[..., httpx.Response]
+"""Method, path, and optionally headers and body, to response."""
 
 
 def make_requester(url: str, via: str | None = None) -> Ask:
-    """Build a function that sends requests to `url`, which ends without slash; `via` as in `target`."""
+    """Make a function that sends requests to `url`, which ends without slash; `via` as in `target`."""
     context = ssl.create_default_context()
 
-    def ask(method: str, path: str, headers: Mapping[str, str], body: bytes | None) -> httpx.Response:
+    def ask(
+        method: str, path: str, headers: Mapping[str, str] | None = None, body: bytes | None = None
+    ) -> httpx.Response:
         address, host, extensions = target(url, via)
+        sent = {**host, **(headers or {})}
         with httpx.Client(verify=context, timeout=_SMOKE_TIMEOUT_S, trust_env=False) as client:
             return client.request(
-                method, f"{address}{path}", content=body, headers={**host, **headers}, extensions=extensions
+                method, f"{address}{path}", content=body, headers=sent, extensions=extensions
             )
 
     return ask
@@ -63,7 +56,7 @@ def make_requester(url: str, via: str | None = None) -> Ask:
 def target(url: str, via: str | None) -> tuple[str, dict[str, str], dict[str, str]]:
     """Return the address to connect to for a site, and headers and extensions of httpx's requests.
 
-    It is the name `via` where the site's own does not resolve yet; certificate and Host are the site's own.
+    It is the name `via` if the site's own does not resolve yet; certificate and Host are the site's own.
     """
     parts = urlsplit(url)
     host = parts.hostname or ""
@@ -106,20 +99,16 @@ def unreleased(releases: Mapping[str, str], release: str) -> Iterator[str]:
 
 def _paths(ask: Ask) -> Iterator[str]:
     for method, path, status in (
-        ("GET", "/healthz", 200),
-        ("GET", "/", 200),
-        ("GET", "/calibrate/", 200),
-        ("GET", "/openapi.json", 200),
-        ("GET", "/config.json", 200),
-        ("GET", "/shell.json", 200),
+        *(("GET", path, 200) for path in ("/healthz", "/", "/calibrate/")),
+        *(("GET", f"/{name}.json", 200) for name in ("openapi", "config", "shell")),
         ("GET", "/v1/lookup", 401),
         ("POST", "/v1/auth", 401),
         ("GET", "/v1/auth", 405),
     ):
-        heard = ask(method, path, {}, None)
+        heard = ask(method, path)
         if heard.status_code != status:
             yield f"{method} {path}: {heard.status_code}, not {status}"
-    page = ask("GET", "/calibrate/", {}, None)
+    page = ask("GET", "/calibrate/")
     for header in ("content-security-policy", "x-content-type-options"):
         if header not in page.headers:
             yield f"GET /calibrate/: no {header}"
@@ -129,14 +118,14 @@ def _other_origins(ask: Ask) -> Iterator[str]:
     """Ask as a browser does for a page of another origin."""
     for path in ("/v1/lookup", "/v1/session/views", "/v1/nowhere"):
         yield from preflight_problems(ask, path)
-    heard = ask("GET", "/sdk/calibdb.js", {"Origin": _ELSEWHERE}, None)
+    heard = ask("GET", "/sdk/calibdb.js", {"Origin": _ELSEWHERE})
     if heard.status_code != HTTPStatus.OK or heard.headers.get("access-control-allow-origin") != "*":
         yield f"GET /sdk/calibdb.js: {heard.status_code}, and pages of other origins may not load it"
 
 
 def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
     """Find why a browser would refuse a page of another origin this path of the API."""
-    heard = ask("OPTIONS", path, _PREFLIGHT, None)
+    heard = ask("OPTIONS", path, _PREFLIGHT)
     if not heard.is_success:
         yield f"OPTIONS {path}: {heard.status_code}, so that browsers refuse pages of other origins"
     for header, value in (
@@ -149,14 +138,14 @@ def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
 
 
 def _redirects(ask: Ask) -> Iterator[str]:
-    location = ask("GET", "//elsewhere.example/page", {}, None).headers.get("location", "/")
+    location = ask("GET", "//elsewhere.example/page").headers.get("location", "/")
     if urlsplit(location).hostname == "elsewhere.example":
         yield f"GET //elsewhere.example/page: sent to {location}"
 
 
 def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:
     """Send a request like the site's own pages."""
-    config = ask("GET", "/config.json", {}, None)
+    config = ask("GET", "/config.json")
     settings = config.json() if config.status_code == HTTPStatus.OK else {}
     token = str(settings.get("token", ""))
     if not token.startswith("cdb_"):

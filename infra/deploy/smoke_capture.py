@@ -1,7 +1,5 @@
 """One whole capture on a deployment, and its removal."""
 
-from __future__ import annotations
-
 import functools
 import json
 import time
@@ -49,10 +47,7 @@ class CaptureRecord:
 
 
 def call(ask: smoke.Ask, method: str, path: str, credential: str, body: object = None) -> Any:
-    """Ask as a page does: a deployment that has no time just now is asked again.
-
-    Raises CallError if the response is not one of success.
-    """
+    """Send a request, again while the deployment has no time. Raises CallError if it is refused."""
     content = None if body is None else json.dumps(body).encode()
     for attempt in range(_MAX_BUSY_ATTEMPTS):
         if attempt:
@@ -131,23 +126,14 @@ def problems(site: smoke.Site, token: str, remove: Callable[[str], None]) -> Ite
 
 
 def remove(made: Mapping[str, str], region: str, refit: str, identity: str) -> None:
-    """Remove a calibration, and have what it was pooled into computed without it.
+    """Remove a calibration, and have its consensus computed again by the function `refit`.
 
-    Its versions expire with the bucket's rule: a deployment has no right to remove versions.
-
-    Parameters
-    ----------
-    made
-        Outputs of the stack.
-    refit
-        Name of the function that computes consensuses.
-    identity
-        Id of the calibration.
+    `made`: outputs of the stack. Versions expire with the bucket's rule: a deployment may not remove
+    versions.
     """
     table = storage_named(region, made["TableName"]).table
     # A replica must not keep it either.
-    keypoints = made["KeypointBucketName"]
-    objects = ReplicatedObjects(functools.partial(aws.s3, region), keypoints, aws.s3)
+    objects = ReplicatedObjects(made["KeypointBucketName"], region)
     calibrations = Calibrations(table, objects)
     document = calibrations.get(identity)
     if document is None:

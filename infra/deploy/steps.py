@@ -1,7 +1,5 @@
 """Steps of a deployment, in order; nothing is run here."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping
@@ -21,18 +19,10 @@ Kind = Literal[
 
 @dataclass(frozen=True)
 class Target:
-    """Target of a deployment: stack, region, parameters.
+    """Target of a deployment.
 
-    Attributes
-    ----------
-    stack, region
-        Name and place of the CloudFormation stack.
-    parameters
-        Parameters of the template that replace defaults.
-    site
-        Address of the site without slash; None where CloudFront makes one up, at the first deployment.
-    exists
-        True if the stack exists already.
+    `parameters` replace the template's defaults. `site`: address without slash, None if CloudFront assigns
+    it, at the first deployment. `exists`: True if the stack exists already.
     """
 
     stack: str
@@ -55,7 +45,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to do: a command with the template's parameters, or a call to AWS's interface."""
+    """A command with the template's parameters, or calls to AWS."""
 
     kind: Kind
     text: str
@@ -97,33 +87,24 @@ def steps(target: Target) -> Iterator[Step]:
 
 def _replica(target: Target, region: str) -> tuple[str, ...]:
     return (
-        _SAM,
-        "deploy",
-        *("--template-file", "infra/deploy/replica.yaml"),
-        *("--stack-name", f"{target.stack}-replica"),
-        *("--region", region),
-        "--no-confirm-changeset",
-        "--no-fail-on-empty-changeset",
+        *_deploy("infra/deploy/replica.yaml", f"{target.stack}-replica", region),
         *("--parameter-overrides", f"Stack={target.stack}"),
     )
 
 
 def _command(target: Target, *, first: bool = True) -> tuple[str, ...]:
+    needed = ("--capabilities", "CAPABILITY_IAM", "--resolve-s3", "--s3-prefix", target.stack)
     return (
-        _SAM,
-        "deploy",
-        *("--template-file", str(TEMPLATE.relative_to(ROOT))),
-        *("--stack-name", target.stack),
-        *("--region", target.region),
-        *("--capabilities", "CAPABILITY_IAM"),
-        "--resolve-s3",
-        *("--s3-prefix", target.stack),
-        "--no-confirm-changeset",
-        "--no-fail-on-empty-changeset",
+        *_deploy(str(TEMPLATE.relative_to(ROOT)), target.stack, target.region, needed),
         # A creation that fails leaves nothing behind that stands in the way of the next.
         *(("--on-failure", "DELETE") if first and not target.exists else ()),
         *("--parameter-overrides", f"file://{PARAMETERS.relative_to(ROOT)}"),
     )
+
+
+def _deploy(file: str, stack: str, region: str, needed: tuple[str, ...] = ()) -> tuple[str, ...]:
+    named = ("--template-file", file, "--stack-name", stack, "--region", region)
+    return (_SAM, "deploy", *named, *needed, "--no-confirm-changeset", "--no-fail-on-empty-changeset")
 
 
 def parameter_file(parameters: Mapping[str, str]) -> str:

@@ -1,7 +1,5 @@
 """CloudFormation templates as YAML: short forms such as `!Ref X` become their long forms."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -9,33 +7,23 @@ import yaml
 
 
 def parse(path: Path) -> dict[str, Any]:
-    """Return a template as it is written, short forms such as `!Ref` in their long form."""
-    return parse_text(path.read_text(encoding="utf-8"))
-
-
-def parse_text(template: str) -> dict[str, Any]:
-    """Return a template's text as it is written, short forms such as `!Ref` in their long form."""
-    document: dict[str, Any] = yaml.load(template, Loader=_Loader)  # noqa: S506
+    """Parse a template."""
+    document: dict[str, Any] = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506
     return document
 
 
 class _Loader(yaml.CSafeLoader):
-    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms.
-
-    libyaml's, as the template is read at each start of a stack.
-    """
+    """libyaml's loader, as the template is read at each start of a stack."""
 
 
-def _short_form(loader: _Loader, suffix: str, node: yaml.Node) -> dict[str, Any]:
+def _short_form(loader: _Loader, suffix: str, node: Any) -> dict[str, Any]:
     value: Any
-    if isinstance(node, yaml.ScalarNode):
-        value = loader.construct_scalar(node)
+    if isinstance(node, yaml.MappingNode):
+        value = loader.construct_mapping(node, deep=True)
     elif isinstance(node, yaml.SequenceNode):
         value = loader.construct_sequence(node, deep=True)
-    elif isinstance(node, yaml.MappingNode):
-        value = loader.construct_mapping(node, deep=True)
     else:
-        raise ValueError(f"!{suffix} has an argument that is neither scalar, list nor map")
+        value = loader.construct_scalar(node)
     if suffix == "GetAtt" and isinstance(value, str):
         value = value.split(".", 1)
     return {suffix if suffix in ("Ref", "Condition") else f"Fn::{suffix}": value}

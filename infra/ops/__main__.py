@@ -5,11 +5,9 @@ CALIBDB_STORAGE=aws and the deployment's TABLE_NAME, BUCKET_NAME and WEB_BUCKET_
 AWS with the operator's own credentials.
 """
 
-from __future__ import annotations
-
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -44,16 +42,20 @@ application.add_typer(tokens.app, name="token")
 application.add_typer(cameras.app, name="camera")
 application.add_typer(withdrawal.calibration_app, name="calibration")
 application.add_typer(withdrawal.contributor_app, name="contributor")
-application.command("reindex")(reindex.reindex_command)
-application.command("backfill")(backfill.backfill_command)
-application.command("dump")(files.dump)
-application.command("publish-dump")(files.publish_dump)
-application.command("load")(files.load)
-application.command("bundle")(files.bundle)
-application.command("backup")(files.backup)
-application.command("restore")(files.restore)
-application.command("import")(files.import_files)
-application.command("seed")(files.seed)
+_COMMANDS: dict[str, Callable[..., None]] = {
+    "reindex": reindex.reindex_command,
+    "backfill": backfill.backfill_command,
+    "dump": files.dump,
+    "publish-dump": files.publish_dump,
+    "load": files.load,
+    "bundle": files.bundle,
+    "backup": files.backup,
+    "restore": files.restore,
+    "import": files.import_files,
+    "seed": files.seed,
+}
+for name, command in _COMMANDS.items():
+    application.command(name)(command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,10 +1,7 @@
 """Recomputation of every outdated consensus, as the state machine `BackfillMachine` does on AWS.
 
-For after a release with a new model, a better solver or other thresholds. Whatever is up to date costs a few
-reads and is left as it is, so it can be stopped and run again at any time.
+An up-to-date consensus costs a few reads, so the command can be stopped and run again at any time.
 """
-
-from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from typing import Annotated
@@ -29,19 +26,11 @@ class BackfillResult:
 
 
 def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> BackfillResult:
-    """Bring every consensus up to date.
-
-    Parameters
-    ----------
-    context
-        The deployment.
-    after
-        Key of a camera: it and those before it, in the order of the keys, are left out.
-    dry_run
-        Only list what would be checked.
-    """
+    """Bring the consensuses of the cameras with keys after `after` up to date; with `dry_run`, list them."""
     changed = failed = 0
-    requests = _all_requests(context, after)
+    names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
+    chosen = [name for name in names if not after or name.split("/")[1] > after]
+    requests = list(requests_of(context.store.calibrations, chosen))  # one for each mode of each camera
     if dry_run:
         for request in requests:
             context.echo(f"{_describe(request)}: would be checked")
@@ -52,13 +41,6 @@ def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> 
         changed += count or 0
         context.echo(f"{_describe(request)}: {'failed' if count is None else f'{count} changed'}")
     return BackfillResult(len(requests), changed, failed)
-
-
-def _all_requests(context: OpsContext, after: str) -> list[RefitRequest]:
-    """List one request for each mode of each camera."""
-    names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
-    chosen = [name for name in names if not after or name.split("/")[1] > after]
-    return list(requests_of(context.store.calibrations, chosen))
 
 
 def _describe(request: RefitRequest) -> str:
@@ -90,11 +72,11 @@ def backfill_command(
     as_json: Json = False,
 ) -> None:
     """Recompute outdated consensuses: after a new model, another solver or other thresholds."""
-    with open_run(as_json=as_json) as run:
-        done = backfill(run.context, after, dry_run=dry_run)
-        run.output.value(asdict(done))
+    with open_run(as_json=as_json) as (context, output):
+        done = backfill(context, after, dry_run=dry_run)
+        output.value(asdict(done))
         if dry_run:
-            run.output.line(f"{done.modes} modes of cameras would be checked")
+            output.line(f"{done.modes} modes of cameras would be checked")
             return
-        run.output.line(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
+        output.line(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
         raise_failed(done.failed)

@@ -1,7 +1,5 @@
 """Backups of a data folder: one tar file with the database as it was at one moment, and its secrets."""
 
-from __future__ import annotations
-
 import os
 import tarfile
 import tempfile

@@ -1,15 +1,12 @@
 """A bundle of the whole database, with every label under which its cameras were calibrated."""
 
-from __future__ import annotations
-
-import functools
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
 from calibdb.camera_key import current_key
 from calibdb.dump.bundle import Name, Source, build_bundle, names_of
-from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
+from infra.ops.context import OpsContext
 
 
 @dataclass(frozen=True)
@@ -32,18 +29,12 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
         created=context.now,
         track=context.track,
     )
-    made = build_bundle(source, _names(context), max_cameras)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(made.content)
-    return BundleResult(made.cameras, made.calibrations, made.labels, len(made.content), made.compressed)
-
-
-def _names(context: OpsContext) -> dict[str, set[Name]]:
-    """Collect labels and platforms with which each camera was calibrated."""
     names_by_camera: defaultdict[str, set[Name]] = defaultdict(set)
-    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
-    for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
+    for document, withdrawn in context.every_calibration():
         if not withdrawn:
             key = current_key(document.camera_key, document.camera, document.platform)
             names_by_camera[key] |= names_of(document.camera, document.platform)
-    return names_by_camera
+    made = build_bundle(source, names_by_camera, max_cameras)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(made.content)
+    return BundleResult(made.cameras, made.calibrations, made.labels, len(made.content), made.compressed)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+from calibdb.schema import CalibrationDocument
 from calibdb.settings import Settings
 from calibdb.store import Objects, Store
 from calibdb.store.keys import WITHDRAWN
@@ -63,15 +64,17 @@ class OpsContext:
         with ThreadPoolExecutor(READERS) as workers:
             list(workers.map(lambda key: self.storage.table.delete(*key), set(keys)))
 
+    def every_calibration(self) -> Iterator[tuple[CalibrationDocument, bool]]:
+        """Yield all calibrations, each with whether it is withdrawn, and show the progress."""
+        return self.track(self.store.calibrations.everything(), "calibrations", self._count_calibrations)
+
+    def _count_calibrations(self) -> int:
+        return sum(not name.endswith(WITHDRAWN) for name in self.objects.names(CALIBRATIONS_PREFIX))
+
 
 def _replicated(objects: Objects, settings: Settings) -> Objects:
     if isinstance(objects, SqliteObjects):
         return objects
-    from infra.ops.replica import replicated  # not needed, and botocore not installed, elsewhere
+    from infra.ops.replica import ReplicatedObjects  # not needed, and botocore not installed, elsewhere
 
-    return replicated(objects, settings.bucket_name, settings.region)
-
-
-def count_objects(context: OpsContext, prefix: str) -> int:
-    """Count the objects under a prefix without their tombstones: how many documents there are to read."""
-    return sum(not name.endswith(WITHDRAWN) for name in context.objects.names(prefix))
+    return ReplicatedObjects(settings.bucket_name, settings.region)

@@ -1,19 +1,18 @@
 """Dump of the database (CC0): JSON Lines that `load` reads, and Parquet tables for analysis."""
 
-from __future__ import annotations
-
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 from pyarrow import parquet
+from pydantic import BaseModel
 
 from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
-from calibdb.schema import CalibrationDocument
+from calibdb.schema import CalibrationDocument, RigCalibrationDocument
 from infra.ops import OpsError
-from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
+from infra.ops.context import OpsContext
 from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
 
 Select = Callable[[Any], Any]  # of a stored document, its copy in the dump; None: it stays out
@@ -72,12 +71,10 @@ _CORNERS = pa.schema(
 
 
 def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[int, int]:
-    """Write all that may be given away to a new folder; return how many calibrations and votes.
+    """Write all that may be given away to a new folder; return the numbers of calibrations and votes.
 
-    Withdrawn calibrations are left out, and what was given without a licence. Contributors are named by a
-    hash whose key is thrown away. `private`: with contributions without a licence, for the operator only.
-
-    Raises OpsError if the folder is there already.
+    Withdrawn calibrations are left out, and, unless `private`, what was given without a licence. Contributors
+    are named by a hash whose key is thrown away.
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
@@ -92,7 +89,10 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     ):
         count = 0
         batch: list[CalibrationDocument] = []
-        for document in _select_documents(context, select):
+        for stored, withdrawn in context.every_calibration():
+            document = None if withdrawn else select(stored)
+            if document is None:
+                continue
             lines.write(document.model_dump_json() + "\n")
             count += 1
             batch.append(document)
@@ -100,39 +100,27 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
                 _write(table, corners, batch)
                 batch = []
         _write(table, corners, batch)
-    votes = _votes(context, select, draft / VOTES)
+    votes = _write_lines(draft / VOTES, map(select, context.track(context.store.votes.all(), "votes")))
     if private:
-        _rigs(context, alias, draft / RIGS)
+        rigs = context.track(context.store.rigs.calibrations(), "rigs")
+        _write_lines(draft / RIGS, (_renamed(rig, alias) for rig in rigs))
     (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)
     return count, votes
 
 
-def _select_documents(context: OpsContext, select: Select) -> Iterator[CalibrationDocument]:
-    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
-    for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
-        copy = None if withdrawn else select(document)
-        if copy is not None:
-            yield copy
+def _renamed(rig: RigCalibrationDocument, alias: Alias) -> RigCalibrationDocument:
+    return rig.model_copy(update={"contributors": tuple(alias(one) for one in rig.contributors)})
 
 
-def _votes(context: OpsContext, select: Select, path: Path) -> int:
+def _write_lines(path: Path, copies: Iterable[BaseModel | None]) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as lines:
-        for vote in context.track(context.store.votes.all(), "votes"):
-            copy = select(vote)
+        for copy in copies:
             if copy is not None:
                 lines.write(copy.model_dump_json() + "\n")
                 count += 1
     return count
-
-
-def _rigs(context: OpsContext, alias: Alias, path: Path) -> None:
-    """Write the finished rigs, their contributors by other names."""
-    with path.open("w", encoding="utf-8") as lines:
-        for rig in context.track(context.store.rigs.calibrations(), "rigs"):
-            named = tuple(alias(one) for one in rig.contributors)
-            lines.write(rig.model_copy(update={"contributors": named}).model_dump_json() + "\n")
 
 
 def _write(table: Any, corners: Any, documents: list[CalibrationDocument]) -> None:

@@ -3,20 +3,15 @@
 A command imports its module when it runs: some load slowly (the solver, pyarrow).
 """
 
-from __future__ import annotations
-
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from infra.console import Output
 from infra.ops import OpsError
-from infra.ops.session import DryRun, Json, Size, data_folder, failure_exit, open_run, parse_size
+from infra.ops.session import DryRun, Json, Size, data_folder, open_output, open_run, parse_size
 
 
 def _complete_model(start: str) -> list[str]:
@@ -26,6 +21,7 @@ def _complete_model(start: str) -> list[str]:
 
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
+File = Annotated[Path, typer.Argument(metavar="FILE")]
 
 
 def dump(
@@ -37,34 +33,31 @@ def dump(
     as_json: Json = False,
 ) -> None:
     """Write all calibrations and keypoints that were given under CC0 to a new folder."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         from infra.ops.dump import dump
 
-        calibrations, votes = dump(run.context, folder, private=private)
-        run.output.line(f"{calibrations} calibrations and {votes} votes written to {folder}")
-        run.output.value({"calibrations": calibrations, "votes": votes, "folder": str(folder)})
+        calibrations, votes = dump(context, folder, private=private)
+        output.line(f"{calibrations} calibrations and {votes} votes written to {folder}")
+        output.value({"calibrations": calibrations, "votes": votes, "folder": str(folder)})
 
 
 def publish_dump(as_json: Json = False) -> None:
     """Write the public dump of the site now, as its schedule does once a week."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         from infra.ops.public_dump import publish_dump
 
-        dump = publish_dump(run.context)
+        dump = publish_dump(context)
         counts = dump.counts
-        run.output.line(
+        output.line(
             f"{counts.calibrations} calibrations and {counts.votes} votes in {len(dump.files)} files, "
             f"{dump.size} bytes: dumps/{dump.name}/"
         )
-        run.output.value(dump.model_dump(mode="json"))
+        output.value(dump.model_dump(mode="json"))
 
 
-def backup(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
-    as_json: Json = False,
-) -> None:
+def backup(file: File, as_json: Json = False) -> None:
     """Back up a data folder, whose server may run, to a new file. It contains secrets: keep it private."""
-    with _without_storage(as_json=as_json) as output:
+    with open_output(as_json=as_json) as output:
         from infra.ops.backup import write_backup
 
         size = write_backup(data_folder(), file)
@@ -72,12 +65,9 @@ def backup(
         output.value({"file": str(file), "size": size})
 
 
-def restore(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
-    as_json: Json = False,
-) -> None:
+def restore(file: File, as_json: Json = False) -> None:
     """Restore a backup to a data folder whose server is stopped; its content is kept in a folder there."""
-    with _without_storage(as_json=as_json) as output:
+    with open_output(as_json=as_json) as output:
         from infra.ops.backup import restore_backup
 
         previous = restore_backup(data_folder(), file)
@@ -87,47 +77,34 @@ def restore(
         output.value({"folder": str(data_folder()), "before": previous and str(previous)})
 
 
-@contextmanager
-def _without_storage(*, as_json: bool) -> Iterator[Output]:
-    """Run a command on files only; an OpsError ends it with its text and the exit status 1."""
-    from calibdb.errors import CalibdbError
-
-    output = Output(as_json=as_json)
-    try:
-        yield output
-        output.finish()
-    except (CalibdbError, OpsError, OSError) as error:
-        raise failure_exit(str(error)) from error
-
-
 def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None:
     """Store the content of a dump."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         from infra.ops.restore import load
 
-        calibrations, votes = load(run.context, folder, dry_run=dry_run)
+        calibrations, votes = load(context, folder, dry_run=dry_run)
         done = "would be stored" if dry_run else "stored"
-        run.output.line(f"{calibrations} calibrations and {votes} votes {done}")
-        run.output.value({"calibrations": calibrations, "votes": votes})
+        output.line(f"{calibrations} calibrations and {votes} votes {done}")
+        output.value({"calibrations": calibrations, "votes": votes})
 
 
 def bundle(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    file: File,
     most: Annotated[int, typer.Option(min=1, metavar="CAMERAS", help="Number of cameras.")] = 500,
     as_json: Json = False,
 ) -> None:
     """Write the reliable calibrations of the most common cameras to one file."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         from infra.ops.bundle import bundle
 
-        done = bundle(run.context, file, most)
-        run.output.value(asdict(done))
-        run.output.table(
+        done = bundle(context, file, most)
+        output.value(asdict(done))
+        output.table(
             ("#bytes", "camera"),
-            ((size, camera) for camera, size in done.cameras.items()),
+            [(size, camera) for camera, size in done.cameras.items()],
             (f"{size:6} bytes  {camera}" for camera, size in done.cameras.items()),
         )
-        run.output.line(
+        output.line(
             f"{len(done.cameras)} cameras, {done.calibrations} calibrations, {done.labels} labels written to "
             f"{file}: {done.size} bytes, {done.compressed} compressed"
         )
@@ -175,18 +152,18 @@ def import_files(
 
     Several files are stored or refused one by one.
     """
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         from calibsolver.formats.base import ReaderOptions
         from infra.ops.imports import ReportedCamera, import_file, licence_of
 
         reported = ReportedCamera(camera, platform, zoom, licence_of(licence))
         options = ReaderOptions(img_size, camera_number, squares)
         results: list[dict[str, str]] = []
-        run.output.value(results)
+        output.value(results)
         failed: list[str] = []
-        for file in run.context.track(files, "files", len(files)):
+        for file in context.track(files, "files", len(files)):
             try:
-                done = import_file(run.context, file, reported, options, model, dry_run=dry_run)
+                done = import_file(context, file, reported, options, model, dry_run=dry_run)
             except (OpsError, OSError) as error:
                 if len(files) == 1:
                     raise
@@ -195,9 +172,9 @@ def import_files(
                 print(f"calibDB: {error}", file=sys.stderr)
                 continue
             results.append({"file": str(file), "result": done})
-            run.output.line(done if len(files) == 1 else f"{file}: {done}")
+            output.line(done if len(files) == 1 else f"{file}: {done}")
         if failed:
-            run.output.finish()
+            output.finish()
             raise OpsError(f"{len(failed)} of {len(files)} files could not be used: {', '.join(failed)}")
 
 
@@ -215,18 +192,18 @@ def seed(
     as_json: Json = False,
 ) -> None:
     """Store published calibrations (CSV) as first guesses."""
-    with open_run(as_json=as_json) as run:
+    with open_run(as_json=as_json) as (context, output):
         from infra.ops.seed import seed
 
         results = []
         for file in files:
-            done = seed(run.context, file, camera, platform, model, source, dry_run=dry_run)
+            done = seed(context, file, camera, platform, model, source, dry_run=dry_run)
             name = f"{file}: " if len(files) > 1 else ""
             would = " would be stored" if dry_run else ""
-            run.output.line(
+            output.line(
                 f"{name}{done.rows} rows: {done.priors} first guesses for {done.cameras} cameras{would}"
             )
             for reason, count in done.skipped.items():
-                run.output.line(f"{count} skipped: {reason}")
+                output.line(f"{count} skipped: {reason}")
             results.append({"file": str(file), **asdict(done)})
-        run.output.value(results)
+        output.value(results)

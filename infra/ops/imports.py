@@ -1,11 +1,9 @@
 """Import of calibration files that other tools wrote."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -14,7 +12,7 @@ from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import Board, CalibrationDocument, FitRecord, Track, ViewDocument
 from calibdb.schema.licence import Licence
 from calibdb.schema.session import SetAside
-from calibsolver import CalibrationError, Camera, View, fit, models
+from calibsolver import CalibrationError, View, fit, models
 from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.base import ReaderOptions
@@ -24,12 +22,11 @@ from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
-from infra.ops.seed import UNKNOWN_ERROR, guess
+from infra.ops.seed import guess, uncertain_fit
 
 _MAX_FILE_BYTES = 64 * 2**20  # keypoints make files large
-#: views from which a fit can be believed without a guide having chosen them
-MIN_VIEWS = 4
-#: corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
+_MIN_VIEWS = 4  # from which a fit can be believed without a guide having chosen them
+# Corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
 _MAX_SMALL_CORNERS, _LARGE_DICTIONARY = 100, "DICT_4X4_1000"
 _DEGENERATE = SetAside(reason="degenerate", detail="Its corners lie on a line or in one place.")
 
@@ -40,8 +37,8 @@ class ReportedCamera:
 
     camera: str
     platform: str
-    zoom: float = 0.0
-    licence: Licence | None = None  # under which the views may be given away; None: not in dumps
+    zoom: float
+    licence: Licence | None  # under which the views may be given away; None: not in dumps
 
 
 def licence_of(name: str | None) -> Licence | None:
@@ -58,16 +55,15 @@ def import_file(
     context: OpsContext,
     path: Path,
     reported: ReportedCamera,
-    options: ReaderOptions = ReaderOptions(),  # noqa: B008 - a value that never changes
-    model: str = "",
+    options: ReaderOptions,
+    model: str,
     *,
-    dry_run: bool = False,
+    dry_run: bool,
 ) -> str:
     """Store the content of a file and describe it; with `dry_run`, only describe it.
 
-    With keypoints of a board it is a calibration like any other: refitted, pooled, audited. Without, it is
-    a first guess for a capture, which lookups never return. The same file twice is one calibration;
-    another file of the same keypoints is refused.
+    Keypoints of a board become a calibration; without them it is a first guess for a capture, which lookups
+    never return. The same file twice is one calibration; another file of the same keypoints is refused.
 
     Raises OpsError if the file or its content cannot be used; then nothing is stored.
     """
@@ -83,11 +79,11 @@ def import_file(
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
     document = _document(context, path, reported, read.views, size, model)
-    taken = fingerprint(document)
+    taken = _fingerprint(document)
     mode = reindex.mode_of(document)
     counted = context.store.calibrations.newest(mode, context.settings.thresholds.max_calibrations)
     for stored in context.store.calibrations.read([c.id for c in counted]):
-        if stored.id != document.id and fingerprint(stored) == taken:
+        if stored.id != document.id and _fingerprint(stored) == taken:
             raise OpsError(f"these keypoints are known already: calibration {stored.id}")
     if not dry_run:
         context.store.calibrations.publish(document)
@@ -101,10 +97,7 @@ def import_file(
 
 
 def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
-    """Read a calibration file of any kind that `calibsolver.formats.reading` knows.
-
-    Raises OpsError, which says what is wrong with it.
-    """
+    """Read a calibration file of any kind that `calibsolver.formats.reading` knows; raises OpsError."""
     try:
         with path.open("rb") as file:
             raw = file.read(_MAX_FILE_BYTES + 1)
@@ -118,7 +111,7 @@ def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedF
         raise OpsError(f"{path}: {error}") from error
 
 
-def fingerprint(document: CalibrationDocument) -> str:
+def _fingerprint(document: CalibrationDocument) -> str:
     """Hash the keypoints, which are the same in all files of one capture."""
     views = sorted(sorted((round(x, 2), round(y, 2)) for x, y in view.points) for view in document.views)
     return hashlib.sha256(repr(views).encode()).hexdigest()
@@ -132,23 +125,18 @@ def _document(
     size: tuple[int, int],
     model: str,
 ) -> CalibrationDocument:
-    """Fit the keypoints, and put everything that is known into a document."""
-    if len(views) < MIN_VIEWS:
-        raise OpsError(f"{path} has {len(views)} views, a calibration needs {MIN_VIEWS}")
+    if len(views) < _MIN_VIEWS:
+        raise OpsError(f"{path} has {len(views)} views, a calibration needs {_MIN_VIEWS}")
     try:
         layout = grid(views)
-        board = calibsolver.Board(
-            layout.squares,
-            dictionary="DICT_4X4_50"
-            if layout.squares[0] * layout.squares[1] <= _MAX_SMALL_CORNERS
-            else _LARGE_DICTIONARY,
-        )
+        is_small = layout.squares[0] * layout.squares[1] <= _MAX_SMALL_CORNERS
+        board = calibsolver.Board(layout.squares, dictionary="DICT_4X4_50" if is_small else _LARGE_DICTIONARY)
         ours = [board.view(ids, view.image_points) for ids, view in zip(layout.ids, views, strict=True)]
         chosen = model or suggest_model(ours, size).model
         calibration = fit(ours, size, model=chosen)
         indices = [i for i in range(len(ours)) if calibration.cut_views.get(i) != "degenerate"]
-        if len(indices) < MIN_VIEWS:
-            raise OpsError(f"{path} has {len(indices)} usable views, a calibration needs {MIN_VIEWS}")
+        if len(indices) < _MIN_VIEWS:
+            raise OpsError(f"{path} has {len(indices)} usable views, a calibration needs {_MIN_VIEWS}")
     except CalibrationError as error:
         raise OpsError(f"{path}: {error}") from error
     key = identify(reported.camera, reported.platform).key
@@ -167,11 +155,10 @@ def _document(
             target_error=0.3 * size[0] / 1280,
             track=Track(),
             views=tuple(
-                _view(i, layout.ids[i], ours[i]).model_copy(update={"rms": float(calibration.view_errors[i])})
-                for i in indices
+                _view(i, layout.ids[i], ours[i], rms=float(calibration.view_errors[i])) for i in indices
             ),
             set_aside=tuple(
-                _view(i, layout.ids[i], ours[i]).model_copy(update={"set_aside": _DEGENERATE})
+                _view(i, layout.ids[i], ours[i], set_aside=_DEGENERATE)
                 for i in range(len(ours))
                 if i not in indices
             ),
@@ -189,10 +176,9 @@ def _document(
         raise OpsError(f"{path}: {'.'.join(map(str, what['loc']))}: {what['msg']}") from error
 
 
-def _view(index: int, ids: tuple[int, ...], view: View) -> ViewDocument:
-    return ViewDocument(
-        index=index, ids=ids, points=tuple((float(x), float(y)) for x, y in view.image_points)
-    )
+def _view(index: int, ids: tuple[int, ...], view: View, **judgement: Any) -> ViewDocument:
+    points = tuple((float(x), float(y)) for x, y in view.image_points)
+    return ViewDocument(index=index, ids=ids, points=points, **judgement)
 
 
 def _guess(
@@ -208,7 +194,9 @@ def _guess(
     if camera is None:
         raise OpsError(f"{path} contains neither a camera nor keypoints")
     try:
-        record = FitRecord.model_validate(_record(camera))
+        record = uncertain_fit(
+            camera.model, camera.img_size, camera.matrix.tolist(), camera.distortion.tolist()
+        )
     except ValidationError as error:
         raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
     if not dry_run:
@@ -222,16 +210,3 @@ def _guess(
         said += f"; camera {number} ({read.cameras[number]}) of {len(read.cameras)} in the file: "
         said += f"--camera-number takes another, 0 to {len(read.cameras) - 1}"
     return said
-
-
-def _record(camera: Camera) -> dict[str, object]:
-    """Convert the camera to a fit of unknown accuracy."""
-    off = UNKNOWN_ERROR * camera.img_size[0]
-    return {
-        "img_size": list(camera.img_size),
-        "camera_matrix": camera.matrix.tolist(),
-        "distortion_coefficients": camera.distortion.tolist(),
-        "distortion_model": camera.model,
-        "avg_reprojection_error": 0.0,
-        "uncertainty": {"rms": off, "max": off},
-    }

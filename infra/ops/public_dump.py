@@ -1,7 +1,5 @@
 """The public dump of the site, written now instead of by its schedule."""
 
-from __future__ import annotations
-
 import math
 
 from calibdb.dump.figures import Figures

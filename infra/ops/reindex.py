@@ -1,8 +1,5 @@
 """Rebuild of the index from the bucket, the source of truth."""
 
-from __future__ import annotations
-
-import functools
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
@@ -22,7 +19,7 @@ from calibdb.store.rigs import Rigs
 from calibdb.store.versions import Sessions
 from calibdb.store.votes import Votes
 from infra.ops import OpsError
-from infra.ops.context import CALIBRATIONS_PREFIX, Key, OpsContext, count_objects
+from infra.ops.context import Key, OpsContext
 from infra.ops.session import DryRun, Json, open_run
 
 # What a computation writes; all other items of a camera follow from single objects.
@@ -56,7 +53,6 @@ class _RecordingTable:
         return getattr(self._table, name)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        """Write the item as `Table` does; if nothing is written, return whether it would be new."""
         key = str(item["pk"]), str(item["sk"])
         self.written.add(key)
         if self._dry_run:
@@ -64,7 +60,6 @@ class _RecordingTable:
         return self._table.put(item, condition)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
-        """Remove the item as `Table` does."""
         return True if self._dry_run else self._table.delete(pk, sk, condition)
 
 
@@ -76,18 +71,9 @@ def reindex(
 ) -> ReindexResult:
     """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
 
-    Safe to run on a table in use, and again: lookups continue, with the old answers until the new ones are
-    there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
-    and stay as they are, or restart.
-
-    Parameters
-    ----------
-    context
-        The deployment.
-    only
-        Modes whose consensus is computed again; None: all.
-    dry_run
-        Write nothing and compute nothing; count what would be written and removed.
+    `only`: modes whose consensus is computed again; None: all. Safe to run on a table in use, and again:
+    lookups continue, with the old answers until the new ones are there. What is published while it runs is
+    indexed by its own submit. Counters of use are not in the bucket and stay as they are, or restart.
     """
     # First, so that later publications are not mistaken for entries that the bucket lacks.
     indexed = set(context.storage.table.keys("CAMERA"))
@@ -95,11 +81,10 @@ def reindex(
     table = typed("Table", recorder)
     sessions = Sessions(table, context.objects).index(context.now)
     rigs = Rigs(table, context.objects).index(context.now)
-    published = publish_finished(context, dry_run=dry_run)
+    published = _publish_finished(context, dry_run=dry_run)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
-    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
-    for document, withdrawn in context.track(calibrations.everything(), "calibrations", total):
+    for document, withdrawn in context.every_calibration():
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
     cast = 0
@@ -135,10 +120,10 @@ def reindex(
     )
 
 
-def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
+def _publish_finished(context: OpsContext, *, dry_run: bool) -> int:
     """Publish sessions that converged but, after a crash, were not published; return how many.
 
-    A client that repeats its last view does the same. This covers clients that never return.
+    This covers clients that never return.
     """
     if not dry_run:
         for rig in context.track(context.store.rigs.all(), "rigs"):
@@ -155,12 +140,8 @@ def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
 
 
 def refit(context: OpsContext, mode: StreamMode) -> int | None:
-    """Have the consensus of every model computed; return of how many there is one, None if it failed."""
-    request = RefitRequest(
-        camera=mode.camera_key,
-        img_size=mode.img_size,
-        zoom=mode.zoom,
-    )
+    """Have the consensus of every model computed; return how many there are, None if it failed."""
+    request = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom)
     try:
         answer = context.store.refit.now(request)
     except UnavailableError as error:
@@ -185,16 +166,16 @@ def _computed_of(key: Key) -> tuple[str, str] | None:
 
 def reindex_command(dry_run: DryRun = False, as_json: Json = False) -> None:
     """Rebuild the index from the bucket, the source of truth."""
-    with open_run(as_json=as_json) as run:
-        done = reindex(run.context, dry_run=dry_run)
-        run.output.value(asdict(done))
+    with open_run(as_json=as_json) as (context, output):
+        done = reindex(context, dry_run=dry_run)
+        output.value(asdict(done))
         if dry_run:
-            run.output.line(
+            output.line(
                 f"{done.calibrations} calibrations, {done.votes} votes, {done.tokens} tokens to index; "
                 f"{done.published} calibrations to publish, {done.removed} stale entries to remove"
             )
             return
-        run.output.line(
+        output.line(
             f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
             f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions, {done.rigs} rigs; "
             f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"

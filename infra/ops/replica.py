@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from botocore.exceptions import ClientError
 
 from calibdb.store.aws import S3Objects, available, code, s3
-from calibdb.store.ports import Objects
 
 if TYPE_CHECKING:
     from mypy_boto3_s3 import S3Client
@@ -18,17 +17,15 @@ _DEFAULT_REGION = "us-east-1"  # which S3 names by nothing
 
 
 class ReplicatedObjects(S3Objects):
-    """Objects of a bucket and, where S3 replicates it, of its replica.
+    """Objects of a bucket and, where S3 replicates it, of its replica. `clients`: by region.
 
     S3 copies new objects to the replica; it never copies the removal of a version.
     """
 
-    def __init__(
-        self, client: Callable[[], S3Client], bucket: str, elsewhere: Callable[[str], S3Client]
-    ) -> None:
-        super().__init__(client, bucket)
+    def __init__(self, bucket: str, region: str, clients: Callable[[str], S3Client] = s3) -> None:
+        super().__init__(functools.partial(clients, region), bucket)
         self._source = bucket
-        self._elsewhere = elsewhere  # client of a region
+        self._clients = clients
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
         """Remove the objects with every version, from the replica first; return how many of the bucket's.
@@ -52,14 +49,5 @@ class ReplicatedObjects(S3Objects):
                 raise
             rules = response["ReplicationConfiguration"]["Rules"]
             bucket = rules[0]["Destination"]["Bucket"].rpartition(":")[2]
-            region = (
-                self._client().get_bucket_location(Bucket=bucket)["LocationConstraint"] or _DEFAULT_REGION
-            )
-        return S3Objects(functools.partial(self._elsewhere, region), bucket)
-
-
-def replicated(objects: Objects, bucket: str, region: str) -> Objects:
-    """Return the objects with their replica, if they are in S3."""
-    if not isinstance(objects, S3Objects):
-        return objects
-    return ReplicatedObjects(functools.partial(s3, region), bucket, s3)
+            location = self._client().get_bucket_location(Bucket=bucket)["LocationConstraint"]
+        return S3Objects(functools.partial(self._clients, location or _DEFAULT_REGION), bucket)

@@ -1,7 +1,6 @@
 """Load of a dump into a stack, which then gives the same answers."""
 
-from __future__ import annotations
-
+import functools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
@@ -18,27 +17,27 @@ Document = TypeVar("Document", bound=BaseModel)
 
 
 def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[int, int]:
-    """Store what `dump` wrote and have every consensus computed; return how many calibrations and votes.
+    """Store what `dump` wrote, have every consensus computed; return the numbers of calibrations and votes.
 
-    What is there already under its id stays as it is, so that a load that was cut short is simply repeated.
-    Into a stack that is not empty: contributors of a dump are other ones than those known here. With
-    `dry_run`, the files are only read.
-
-    Raises OpsError, and has stored nothing, if a line is neither a calibration nor a vote.
+    Known ids stay as they are, so a load that was cut short is repeated. Contributors of a dump are other
+    ones than those known here. With `dry_run`, the files are only read. Raises OpsError, and has stored
+    nothing, if a line is neither a calibration nor a vote.
     """
     if not (folder / CALIBRATIONS).is_file():
         raise OpsError(f"{folder} lacks {CALIBRATIONS}: it is not the folder of a dump")
+    read_calibrations = functools.partial(_lines, folder / CALIBRATIONS, CalibrationDocument)
+    read_votes = functools.partial(_lines, folder / VOTES, VoteDocument)
     # Every line is read once before the first is stored.
-    calibrations = sum(1 for _ in context.track(_calibrations(folder), "reading calibrations"))
-    votes = sum(1 for _ in context.track(_votes(folder), "reading votes"))
+    calibrations = sum(1 for _ in context.track(read_calibrations(), "reading calibrations"))
+    votes = sum(1 for _ in context.track(read_votes(), "reading votes"))
     rigs = list(_lines(folder / RIGS, RigCalibrationDocument))
     if dry_run:
         return calibrations, votes
     modes = set()
-    for document in context.track(_calibrations(folder), "calibrations", calibrations):
+    for document in context.track(read_calibrations(), "calibrations", calibrations):
         context.store.calibrations.publish(document)
         modes.add(reindex.mode_of(document))
-    for vote in context.track(_votes(folder), "votes", votes):
+    for vote in context.track(read_votes(), "votes", votes):
         context.store.votes.cast(vote)
     for rig in rigs:
         context.store.rigs.publish(rig)
@@ -49,14 +48,6 @@ def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[i
     if failed:
         raise OpsError(f"of {failed} modes the consensus could not be computed; run `reindex`")
     return calibrations, votes
-
-
-def _calibrations(folder: Path) -> Iterator[CalibrationDocument]:
-    return _lines(folder / CALIBRATIONS, CalibrationDocument)
-
-
-def _votes(folder: Path) -> Iterator[VoteDocument]:
-    return _lines(folder / VOTES, VoteDocument)
 
 
 def _lines(path: Path, model: type[Document]) -> Iterator[Document]:

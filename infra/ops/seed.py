@@ -1,7 +1,5 @@
 """Published calibrations as first guesses: a capture may start from them, no lookup returns them."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections import Counter, defaultdict
@@ -20,7 +18,7 @@ from infra.ops.context import OpsContext
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _MAX_FOCAL_RATIO = 1.1
 # Their quality is unknown: share of the image's width, about the error of an uninformed guess.
-UNKNOWN_ERROR = 0.05
+_UNKNOWN_ERROR = 0.05
 
 
 @dataclass(frozen=True)
@@ -54,23 +52,8 @@ def seed(
     """Store a guess for every camera, size, zoom and model in a CSV file.
 
     Columns: `w h fx fy cx cy`, the coefficients by their names, optionally `zoom` and `distortion_model`,
-    and whatever the labels are made of. Of several rows of one camera the one with the median focal length
-    counts; where they are of several lenses, none does.
-
-    Parameters
-    ----------
-    context
-        The deployment.
-    path
-        The file.
-    camera, platform
-        Label and platform of a browser, made of columns: `{brand} {model}`.
-    model
-        Model of rows without one.
-    source
-        Kept with every guess.
-    dry_run
-        Store nothing; count what would be stored.
+    and those of which `camera` and `platform` are made, such as `{brand} {model}`. Of several rows of one
+    camera the one with the median focal length counts; if they are of several lenses, none does.
     """
     groups: dict[tuple[str, tuple[int, int], float, str], list[_Row]] = defaultdict(list)
     skipped: Counter[str] = Counter()
@@ -99,13 +82,13 @@ def seed(
             context.store.priors.keep(prior)
         priors += 1
         cameras.add(key)
-    return SeedResult(priors, len(cameras), rows, skipped)
+    return SeedResult(priors, len(cameras), rows, dict(skipped))
 
 
 def guess(
     camera: str, platform: str, zoom: float, fit: FitRecord, source: str, measured: int = 1
 ) -> PriorDocument:
-    """Return the first guess for a camera, as a browser reports it."""
+    """Make the first guess for a camera, as a browser reports it."""
     return PriorDocument(
         camera_key=identify(camera, platform).key,
         camera=public_label(camera),
@@ -114,6 +97,23 @@ def guess(
         fit=fit,
         source=source,
         measured=measured,
+    )
+
+
+def uncertain_fit(
+    model: str, size: tuple[int, int], matrix: object, distortion: object, rms: float = 0.0
+) -> FitRecord:
+    """Make a fit of unknown accuracy; raises ValidationError."""
+    off = _UNKNOWN_ERROR * size[0]
+    return FitRecord.model_validate(
+        {
+            "img_size": size,
+            "camera_matrix": matrix,
+            "distortion_coefficients": distortion,
+            "distortion_model": model,
+            "avg_reprojection_error": rms,
+            "uncertainty": {"rms": off, "max": off},
+        }
     )
 
 
@@ -148,14 +148,9 @@ def _row(fields: Mapping[str, str], camera: str, platform: str, model: str, numb
         fx, fy, cx, cy = (_number(fields[name]) for name in ("fx", "fy", "cx", "cy"))
         if not (0 < fx < 100 * size[0] and 0.5 < fy / fx < 2 and 0 < cx < size[0] and 0 < cy < size[1]):
             return "no camera is like that"
-        fit = FitRecord(
-            img_size=size,
-            camera_matrix=((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)),
-            distortion_coefficients=tuple(_number(fields[name]) for name in coefficients),
-            distortion_model=model,
-            avg_reprojection_error=_number(fields.get("rms") or "0"),
-            uncertainty={"rms": UNKNOWN_ERROR * size[0], "max": UNKNOWN_ERROR * size[0]},
-        )
+        matrix = ((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0))
+        distortion = tuple(_number(fields[name]) for name in coefficients)
+        fit = uncertain_fit(model, size, matrix, distortion, _number(fields.get("rms") or "0"))
         zoom = _number(fields.get("zoom") or "0")
     except ValidationError:
         return "no camera is like that"

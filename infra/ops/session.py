@@ -7,7 +7,6 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -41,46 +40,35 @@ def parse_size(text: str | Size) -> Size:
     return Size(int(width), int(height))
 
 
-@dataclass(frozen=True)
-class Run:
-    """Storage and output of a running command."""
+@contextmanager
+def open_run(*, as_json: bool = False) -> Iterator[tuple[OpsContext, Output]]:
+    """Open the deployment that the environment names, and the output, for one command."""
+    from infra.ops.context import OpsContext
 
-    context: OpsContext
-    output: Output
+    with open_output(as_json=as_json) as output, _opened() as (environment, secret_known):
+        context = OpsContext.of(environment, secret_known=secret_known, echo=output.line, track=track)
+        yield context, output
 
 
 @contextmanager
-def open_run(*, as_json: bool = False) -> Iterator[Run]:
-    """Open the deployment that the environment names, for one command.
-
-    An error ends the command with its text and the exit status 1.
-    """
+def open_output(*, as_json: bool) -> Iterator[Output]:
+    """Open the output of a command. An error ends the command with its text and the exit status 1."""
     from calibdb.errors import CalibdbError
-    from infra.ops.context import OpsContext
     from infra.server.folder import FolderError
     from infra.server.secrets import SecretsError
 
     logging.basicConfig(format="%(message)s")
     output = Output(as_json=as_json)
     try:
-        with _opened() as (environment, secret_known):
-            context = OpsContext.of(
-                environment,
-                secret_known=secret_known,
-                echo=output.line,
-                track=track,
-            )
-            try:
-                yield Run(context, output)
-            except CalibdbError as error:
-                raise failure_exit(error.detail) from error
-            output.finish()
+        yield output
+        output.finish()
     except BrokenPipeError:
-        # Who reads has read enough. What is left in the buffer must not be written at the end either.
+        # The reader has read enough. What is left in the buffer must not be written at the end either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(0) from None
-    except (FolderError, SecretsError, ValueError, OSError) as error:
-        raise failure_exit(str(error)) from error
+    except (CalibdbError, FolderError, SecretsError, ValueError, OSError) as error:
+        print(f"calibDB: {error.detail if isinstance(error, CalibdbError) else error}", file=sys.stderr)
+        raise typer.Exit(1) from error
 
 
 @contextmanager
@@ -135,9 +123,3 @@ class InlineJobs:
 def data_folder() -> Path:
     """Return the data folder of a self-hosted server."""
     return Path(os.environ.get("DATA_DIR") or ".data")
-
-
-def failure_exit(detail: str) -> typer.Exit:
-    """Print why a command failed; return what ends it."""
-    print(f"calibDB: {detail}", file=sys.stderr)
-    return typer.Exit(1)

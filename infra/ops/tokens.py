@@ -1,7 +1,5 @@
 """API tokens: creation, listing, rotation, revocation."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from typing import Annotated
@@ -14,7 +12,7 @@ from calibdb.access.token_facts import use_summary
 from calibdb.access.tokens import ApiToken, secret_hash, with_secret
 from calibdb.schema.managed_token import TokenUse
 from calibdb.store import Tokens
-from infra.console import confirm
+from infra.console import Output, confirm
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
 from infra.ops.session import DryRun, Json, Yes, open_run
@@ -24,22 +22,10 @@ TokenId = Annotated[str, typer.Argument(metavar="ID", help="As `token list` prin
 _ID_BYTES, _SECRET_BYTES = 8, 24
 
 
-def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
-    """Store a new token and return it. Only its hash is stored, so it cannot be shown again.
-
-    Raises OpsError if an origin is none, or the plan is not known.
-    """
-    for origin in origins:
-        _check(origin)
-    if plan not in PLANS:
-        raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
-    return issue(context.store.tokens, origins, plan, context.now, context.random_hex)
-
-
 def issue(
     tokens: Tokens, origins: Sequence[str], plan: str, now: int, random_hex: Callable[[int], str]
 ) -> str:
-    """Store a new token under a random id and return it."""
+    """Store a new token under a random id and return it. Only its hash is stored."""
     while True:
         token_id, secret = random_hex(_ID_BYTES), random_hex(_SECRET_BYTES)
         if tokens.create(ApiToken(token_id, secret_hash(secret), tuple(origins), plan, now)):
@@ -64,31 +50,16 @@ def use(context: OpsContext, token_id: str) -> TokenUse:
     return use_summary(context.store.quotas.use(token_id, context.now), context.now)
 
 
-def get(context: OpsContext, token_id: str) -> ApiToken:
-    """Read a token; raises OpsError if there is none."""
+def revoke(context: OpsContext, token_id: str) -> None:
+    """Refuse the token from now on, for good: its id is never another's."""
+    context.store.tokens.revoke(_get(context, token_id), context.now)
+
+
+def _get(context: OpsContext, token_id: str) -> ApiToken:
     token = context.store.tokens.get(token_id)
     if token is None:
         raise OpsError(f"there is no token {token_id}")
     return token
-
-
-def rotate(context: OpsContext, token_id: str, grace: float) -> str:
-    """Give the token another secret and return it; the old one still works for `grace` hours.
-
-    Every earlier secret works until its own time ends, and for `grace` at most; 0 ends them all.
-    """
-    token = get(context, token_id)
-    secret = context.random_hex(_SECRET_BYTES)
-    context.store.tokens.update(
-        token.id,
-        lambda known: with_secret(known, secret_hash(secret), context.now, int(grace * HOUR_S)),
-    )
-    return f"cdb_{token_id}_{secret}"
-
-
-def revoke(context: OpsContext, token_id: str) -> None:
-    """Refuse the token from now on, for good: its id is never another's."""
-    context.store.tokens.revoke(get(context, token_id), context.now)
 
 
 def _check(origin: str) -> None:
@@ -105,37 +76,38 @@ def _complete_plan(start: str) -> list[str]:
     return [plan for plan in PLANS if plan.startswith(start)]
 
 
+def _print_token(output: Output, token: str) -> None:
+    output.line(token)
+    output.value({"token": token})
+
+
 @app.command("create")
 def create_token(
     origin: Annotated[
         list[str] | None, typer.Option(help="Origin that may use the token; repeatable. None: any.")
     ] = None,
     plan: Annotated[
-        str,
-        typer.Option(
-            help="Plan, which limits its use in an hour.",
-            autocompletion=_complete_plan,
-        ),
+        str, typer.Option(help="Plan, which limits its use in an hour.", autocompletion=_complete_plan)
     ] = "free",
     as_json: Json = False,
 ) -> None:
     """Issue a token; it is shown once."""
-    with open_run(as_json=as_json) as run:
-        token = create(run.context, origin or [], plan)
-        run.output.line(token)
-        run.output.value({"token": token})
+    with open_run(as_json=as_json) as (context, output):
+        origins = origin or []
+        for one in origins:
+            _check(one)
+        if plan not in PLANS:
+            raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
+        _print_token(output, issue(context.store.tokens, origins, plan, context.now, context.random_hex))
 
 
 @app.command("list")
 def list_tokens(as_json: Json = False) -> None:
     """List all tokens, without their secrets."""
-    with open_run(as_json=as_json) as run:
-        listing = list_all(run.context)
-        rows = [describe(token) for token in listing]
-        run.output.table(
-            ("id", "created", "plan", "made by", "origins"), rows, ("  ".join(row) for row in rows)
-        )
-        run.output.value(
+    with open_run(as_json=as_json) as (context, output):
+        listing = list_all(context)
+        output.table(("id", "created", "plan", "made by", "origins"), [describe(one) for one in listing])
+        output.value(
             [
                 {
                     "id": token.id,
@@ -155,56 +127,47 @@ def list_tokens(as_json: Json = False) -> None:
 @app.command("show")
 def show_token(token_id: TokenId, as_json: Json = False) -> None:
     """Show a token and its use: by hour for two days, by day for thirty."""
-    with open_run(as_json=as_json) as run:
-        token = get(run.context, token_id)
-        used = use(run.context, token_id)
-        run.output.line("  ".join(describe(token)))
-        periods = [
-            *((each.hour, each) for each in used.hours),
-            *((each.day, each) for each in used.days),
-        ]
-        rows = [
-            (period, *map(str, (each.sessions, each.views, each.poses, each.lookups)))
-            for period, each in periods
-            if each.sessions or each.views or each.poses or each.lookups
-        ]
-        run.output.table(
-            ("period (UTC)", "sessions", "views", "poses", "lookups"), rows, ("  ".join(row) for row in rows)
+    with open_run(as_json=as_json) as (context, output):
+        token = _get(context, token_id)
+        used = use(context, token_id)
+        output.line("  ".join(describe(token)))
+        periods = [*((one.hour, one) for one in used.hours), *((one.day, one) for one in used.days)]
+        rows = [(period, one.sessions, one.views, one.poses, one.lookups) for period, one in periods]
+        output.table(
+            ("period (UTC)", "sessions", "views", "poses", "lookups"), [row for row in rows if any(row[1:])]
         )
-        run.output.value({"id": token.id, "plan": token.plan, "use": used.model_dump(mode="json")})
+        output.value({"id": token.id, "plan": token.plan, "use": used.model_dump(mode="json")})
 
 
 @app.command("made")
 def count_made(as_json: Json = False) -> None:
     """Count the tokens that people made for themselves, day by day."""
-    with open_run(as_json=as_json) as run:
-        days = list(run.context.store.quotas.issued())
-        rows = [(day, str(count)) for day, count in days]
-        run.output.table(("day (UTC)", "tokens"), rows, ("  ".join(row) for row in rows))
-        run.output.value([{"day": day, "tokens": count} for day, count in days])
+    with open_run(as_json=as_json) as (context, output):
+        days = list(context.store.quotas.issued())
+        output.table(("day (UTC)", "tokens"), days)
+        output.value([{"day": day, "tokens": count} for day, count in days])
 
 
 @app.command("sweep")
 def sweep_tokens(dry_run: DryRun = False) -> None:
     """Remove trial tokens that expired unused, a week after their end."""
-    with open_run() as run:
-        store = run.context.store.tokens
-        orphans = store.orphans(run.context.now)
+    with open_run() as (context, output):
+        store = context.store.tokens
+        orphans = store.orphans(context.now)
         count = len(orphans) if dry_run else store.remove(orphans)
-        run.output.line(f"{count} trial tokens {'would be ' if dry_run else ''}removed")
+        output.line(f"{count} trial tokens {'would be ' if dry_run else ''}removed")
 
 
 @app.command("revoke")
 def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -> None:
     """Revoke a token for good, within a minute."""
-    with open_run() as run:
-        token = get(run.context, token_id)
-        description = "  ".join(describe(token))
+    with open_run() as (context, output):
+        description = "  ".join(describe(_get(context, token_id)))
         if dry_run:
-            run.output.line(f"would be revoked: {description}")
+            output.line(f"would be revoked: {description}")
             return
         confirm(f"Revoke for good: {description}?", yes=yes)
-        revoke(run.context, token_id)
+        revoke(context, token_id)
 
 
 @app.command("rotate")
@@ -219,13 +182,16 @@ def rotate_token(
     as_json: Json = False,
 ) -> None:
     """Give a token a new secret; it is shown once."""
-    with open_run(as_json=as_json) as run:
-        token = get(run.context, token_id)
-        description = "  ".join(describe(token))
+    with open_run(as_json=as_json) as (context, output):
+        description = "  ".join(describe(_get(context, token_id)))
         if dry_run:
-            run.output.line(f"would get a new secret: {description}")
+            output.line(f"would get a new secret: {description}")
             return
         confirm(f"End the present secret in {grace:g} hours: {description}?", yes=yes)
-        fresh = rotate(run.context, token_id, grace)
-        run.output.line(fresh)
-        run.output.value({"token": fresh})
+        secret = context.random_hex(_SECRET_BYTES)
+        # Every earlier secret works until its own time ends, and for `grace` at most.
+        context.store.tokens.update(
+            token_id,
+            lambda known: with_secret(known, secret_hash(secret), context.now, int(grace * HOUR_S)),
+        )
+        _print_token(output, f"cdb_{token_id}_{secret}")

@@ -1,8 +1,5 @@
 """Withdrawal of calibrations, and removal of everything that a contributor sent; their commands."""
 
-from __future__ import annotations
-
-import functools
 import sys
 from collections import Counter
 from dataclasses import asdict, dataclass
@@ -19,9 +16,9 @@ from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from calibdb.store.rigs import rig_calibration_object
 from infra.console import confirm
 from infra.ops import OpsError, reindex
-from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
+from infra.ops.context import OpsContext
 from infra.ops.public_dump import replace_dumps
-from infra.ops.session import DryRun, Json, Run, Yes, open_run
+from infra.ops.session import DryRun, Json, Yes, open_run
 
 calibration_app = typer.Typer(help="Withdraw, restore and unname single calibrations.", no_args_is_help=True)
 Ids = Annotated[list[str], typer.Argument(metavar="ID", help="As `camera show` prints them.")]
@@ -40,27 +37,33 @@ class ForgetResult:
     votes: int
     rigs: int
 
+    def __str__(self) -> str:
+        return (
+            f"{self.calibrations} calibrations, {self.sessions} sessions, {self.votes} votes, "
+            f"{self.rigs} rigs"
+        )
+
 
 def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
     """Exclude a calibration from all consensuses, and recompute its own.
 
     The calibration stays, with a tombstone next to it. False if it was withdrawn before.
     """
-    document = get(context, calibration_id)
+    document = _get(context, calibration_id)
     done = context.store.calibrations.withdraw(document, reason, context.now)
     _refit(context, reindex.mode_of(document))
     return done
 
 
-def unname(context: OpsContext, calibration_id: str) -> bool:
-    """Remove the name of the mode from a calibration; False if it has none."""
-    get(context, calibration_id)
-    return context.store.calibrations.remove_mode_name(calibration_id)
+def _get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
+    document = context.store.calibrations.get(calibration_id)
+    if document is None:
+        raise OpsError(f"there is no calibration {calibration_id}")
+    return document
 
 
-def get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
-    """Read a withdrawn calibration and the name of its tombstone; raises OpsError if it is not one."""
-    document = get(context, calibration_id)
+def _get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
+    document = _get(context, calibration_id)
     tombstone = tombstone_object(calibration_id)
     if tombstone is None or context.objects.get(tombstone) is None:
         raise OpsError(f"{calibration_id} is not withdrawn")
@@ -69,7 +72,7 @@ def get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[Calibration
 
 def restore(context: OpsContext, calibration_id: str) -> None:
     """Include a withdrawn calibration again."""
-    document, tombstone = get_withdrawn(context, calibration_id)
+    document, tombstone = _get_withdrawn(context, calibration_id)
     context.objects.purge_all_versions([tombstone])
     mode = reindex.mode_of(document)
     # Its item is marked, and marks are permanent: a new item is made.
@@ -78,8 +81,7 @@ def restore(context: OpsContext, calibration_id: str) -> None:
     _refit(context, mode)
 
 
-def find_contributor(context: OpsContext, start: str) -> str:
-    """Find the contributor whose id begins with `start`; raises OpsError if there is not exactly one."""
+def _find_contributor(context: OpsContext, start: str) -> str:
     if len(start) < _MIN_DIGITS:
         raise OpsError(f"give at least {_MIN_DIGITS} digits of the contributor's id")
     matches = {one for one in _contributors(context) if one.startswith(start.lower())}
@@ -88,10 +90,10 @@ def find_contributor(context: OpsContext, start: str) -> str:
     return matches.pop()
 
 
-def find_contributors_at(context: OpsContext, address: str, token_id: str | None) -> set[str]:
-    """Find the contributors at an IP address, with one token or with any.
+def _find_contributors_at(context: OpsContext, address: str, token_id: str | None) -> set[str]:
+    """Find the contributors at an IP address by their keyed hash, also with revoked tokens.
 
-    Addresses are not stored. They are matched by computing the keyed hash again, also with revoked tokens.
+    Addresses are not stored.
     """
     tokens = [token_id] if token_id else context.store.tokens.ids()
     contributors = set(_contributors(context))
@@ -100,11 +102,7 @@ def find_contributors_at(context: OpsContext, address: str, token_id: str | None
     } & contributors
 
 
-def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
-    """Find the contributors of the calibration, or of the session, of which this is the session id.
-
-    Raises OpsError if it was not signed by a key that is known, or nothing is left of its session.
-    """
+def _find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
     sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
     if sid is None:
         raise OpsError("no key of SESSION_SECRETS has signed this receipt: it is forged, or the key is gone")
@@ -137,10 +135,10 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
 
     # Rigs and sessions first: what is published follows from them, and must not be published again.
     for rig in list(context.track(context.store.rigs.all(), "rigs")):
-        if contributors_of_rig(rig) & contributors:
+        if _contributors_of_rig(rig) & contributors:
             if not dry_run:
                 context.store.rigs.purge(rig.rig)
-            counts["running rigs"] += 1
+            counts["rigs"] += 1
     for finished in list(context.store.rigs.calibrations()):
         if set(finished.contributors) & contributors:
             purge(rig_calibration_object(finished.id))
@@ -150,8 +148,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             if not dry_run:
                 context.store.sessions.purge(session.session)
             counts["sessions"] += 1
-    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
-    for document, _ in list(context.track(context.store.calibrations.everything(), "calibrations", total)):
+    for document, _ in list(context.every_calibration()):
         if document.contributor in contributors:
             purge(calibration_object(document.id))
             purge(tombstone_object(document.id))
@@ -163,12 +160,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             key = current_key(vote.camera_key, vote.camera, vote.platform)
             affected.add(StreamMode(key, vote.img_size, vote.zoom))
             counts["votes"] += 1
-    done = ForgetResult(
-        counts["calibrations"],
-        counts["sessions"],
-        counts["votes"],
-        counts["running rigs"] + counts["rigs"],
-    )
+    done = ForgetResult(counts["calibrations"], counts["sessions"], counts["votes"], counts["rigs"])
     if dry_run:
         return done
     # Their shares of the hour.
@@ -185,27 +177,18 @@ def _contributors(context: OpsContext) -> set[str]:
         *(document.contributor for document, _ in context.store.calibrations.everything()),
         *(vote.contributor for vote in context.store.votes.all()),
         *(who for session in context.store.sessions.all() for who in _contributors_of(session)),
-        *(who for rig in context.store.rigs.all() for who in contributors_of_rig(rig)),
+        *(who for rig in context.store.rigs.all() for who in _contributors_of_rig(rig)),
         *(who for rig in context.store.rigs.calibrations() for who in rig.contributors),
     }
 
 
-def contributors_of_rig(rig: RigDocument) -> set[str]:
-    """List the contributors whose cameras are in a running rig."""
+def _contributors_of_rig(rig: RigDocument) -> set[str]:
     return {member.contributor for member in rig.members if member is not None}
 
 
 def _contributors_of(session: SessionDocument) -> set[str]:
     last = session.finish.contributor if session.finish else None
     return {who for who in (session.contributor, last) if who is not None}
-
-
-def get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
-    """Read a calibration; raises OpsError if there is none."""
-    document = context.store.calibrations.get(calibration_id)
-    if document is None:
-        raise OpsError(f"there is no calibration {calibration_id}")
-    return document
 
 
 def _refit(context: OpsContext, mode: StreamMode) -> None:
@@ -230,37 +213,37 @@ def withdraw_calibrations(
     dry_run: DryRun = False,
 ) -> None:
     """Exclude calibrations from all consensuses."""
-    with open_run() as run:
-        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+    with open_run() as (context, output):
+        for calibration_id in context.track(ids, "calibrations", len(ids)):
             if dry_run:
-                get(run.context, calibration_id)
-                run.output.line(f"would be withdrawn: {calibration_id}")
-            elif not withdraw(run.context, calibration_id, reason):
-                run.output.line("it was withdrawn before")
+                _get(context, calibration_id)
+                output.line(f"would be withdrawn: {calibration_id}")
+            elif not withdraw(context, calibration_id, reason):
+                output.line("it was withdrawn before")
 
 
 @calibration_app.command("unname")
 def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Remove the names that contributors gave to modes of cameras; the calibrations stay."""
-    with open_run() as run:
-        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+    with open_run() as (context, output):
+        for calibration_id in context.track(ids, "calibrations", len(ids)):
+            name = _get(context, calibration_id).mode_name
             if dry_run:
-                name = get(run.context, calibration_id).mode_name
-                run.output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
-            elif not unname(run.context, calibration_id):
-                run.output.line("it has no name")
+                output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
+            elif not context.store.calibrations.remove_mode_name(calibration_id):
+                output.line("it has no name")
 
 
 @calibration_app.command("restore")
 def restore_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Include withdrawn calibrations again."""
-    with open_run() as run:
-        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+    with open_run() as (context, output):
+        for calibration_id in context.track(ids, "calibrations", len(ids)):
             if dry_run:
-                get_withdrawn(run.context, calibration_id)
-                run.output.line(f"would be restored: {calibration_id}")
+                _get_withdrawn(context, calibration_id)
+                output.line(f"would be restored: {calibration_id}")
             else:
-                restore(run.context, calibration_id)
+                restore(context, calibration_id)
 
 
 @contributor_app.callback()
@@ -286,41 +269,36 @@ def forget_contributor(
     as_json: Json = False,
 ) -> None:
     """Remove everything that a contributor sent, for good."""
-    with open_run(as_json=as_json) as run:
-        contributors = _find(run, contributor_id, address, token, receipt)
+    with open_run(as_json=as_json) as (context, output):
+        contributors = _find(context, contributor_id, address, token, receipt)
         ask = not yes and sys.stdin.isatty()
         if dry_run or ask:
-            counted = forget(run.context, contributors, dry_run=True)
-            description = _describe(counted)
-            run.output.value(asdict(counted))
+            counted = forget(context, contributors, dry_run=True)
+            output.value(asdict(counted))
             if dry_run:
-                run.output.line(f"would be removed: {description}")
+                output.line(f"would be removed: {counted}")
                 return
-            confirm(f"Remove {description} for good?", yes=yes)
-        done = forget(run.context, contributors)
-        run.output.line(f"removed {_describe(done)}")
-        run.output.value(asdict(done))
-
-
-def _describe(counts: ForgetResult) -> str:
-    return (
-        f"{counts.calibrations} calibrations, {counts.sessions} sessions, {counts.votes} votes, "
-        f"{counts.rigs} rigs"
-    )
+            confirm(f"Remove {counted} for good?", yes=yes)
+        done = forget(context, contributors)
+        output.line(f"removed {done}")
+        output.value(asdict(done))
 
 
 def _find(
-    run: Run, contributor_id: str | None, address: str | None, token: str | None, receipt: str | None
+    context: OpsContext,
+    contributor_id: str | None,
+    address: str | None,
+    token: str | None,
+    receipt: str | None,
 ) -> set[str]:
-    """Find the contributors that are meant; raises OpsError if nothing came from them."""
     if contributor_id is not None and address is receipt is None:
-        return {find_contributor(run.context, contributor_id)}
+        return {_find_contributor(context, contributor_id)}
     if receipt is not None and address is contributor_id is None:
-        return find_contributors_by_receipt(run.context, receipt)
+        return _find_contributors_by_receipt(context, receipt)
     if address is None or contributor_id is not None or receipt is not None:
         raise OpsError("name either a contributor, an address, or a receipt")
-    if not run.context.secret_known:
+    if not context.secret_known:
         raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
-    if matches := find_contributors_at(run.context, address, token):
+    if matches := _find_contributors_at(context, address, token):
         return matches
     raise OpsError("nothing came from there")

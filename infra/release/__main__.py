@@ -1,11 +1,10 @@
 """Commands for a release: `make release ARGS="bump 0.2.0"`, then commit, tag, `ARGS="build --tag v0.2.0"`."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
@@ -23,8 +22,7 @@ Tag = Annotated[str, typer.Option(help="Tag of the release, v1.2.3.")]
 @application.command("bump")
 def bump(version: Annotated[str, typer.Argument(help="Next version, 1.2.3.")]) -> None:
     """Set the version, and move the unreleased changelog entries under it."""
-
-    def change() -> None:
+    with _failures():
         path = ROOT / "CHANGELOG.md"
         day = time.strftime("%Y-%m-%d", time.gmtime())
         text = changelog.with_release(path.read_text(encoding="utf-8"), version, day)
@@ -32,25 +30,21 @@ def bump(version: Annotated[str, typer.Argument(help="Next version, 1.2.3.")]) -
         path.write_text(text, encoding="utf-8")
         print(f"now: git commit --all --message 'Release {version}' && git tag v{version} && git push --tags")
 
-    _or_exit(change)
-
 
 @application.command("check")
 def check(tag: Tag) -> None:
     """Check that the checkout is clean and is the tag's, and that the changelog has its entries."""
-    _or_exit(lambda: _check(tag))
+    with _failures():
+        _check(tag)
 
 
 @application.command("build")
 def build(tag: Tag) -> None:
     """Check, and write the artifacts to .build/release."""
-
-    def make() -> None:
+    with _failures():
         _check(tag)
         for path in artifacts.build():
             print(f"{path.stat().st_size:12,}  {path.relative_to(ROOT)}")
-
-    _or_exit(make)
 
 
 def _check(tag: str) -> None:
@@ -59,9 +53,10 @@ def _check(tag: str) -> None:
     changelog.notes((ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), checkout.version())
 
 
-def _or_exit(action: Callable[[], None]) -> None:
+@contextmanager
+def _failures() -> Iterator[None]:
     try:
-        action()
+        yield
     except (ChangelogError, CheckoutError, OSError, subprocess.CalledProcessError) as error:
         print(f"calibDB: {error}", file=sys.stderr)
         raise typer.Exit(1) from error

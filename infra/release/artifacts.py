@@ -1,7 +1,5 @@
 """Artifacts of a release: source, SDK, layers, wheels, notes, checksums."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import shutil
@@ -74,4 +72,4 @@ def _summaries() -> None:
 
 
 def _run(*command: str) -> None:
-    subprocess.run(command, cwd=ROOT, check=True)  # noqa: S603 - our own commands
+    subprocess.run(command, cwd=ROOT, check=True)

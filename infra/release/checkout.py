@@ -1,7 +1,5 @@
 """The checkout that a release or a deployment is made of."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path
@@ -41,11 +39,8 @@ def set_version(fresh: str, root: Path = ROOT) -> None:
 
 
 def check_clean(root: Path = ROOT) -> None:
-    """Raise CheckoutError if a file differs from the commit, or is not in it.
-
-    What git ignores (environments, builds) does not count; nothing of it is in an artifact.
-    """
-    changed = _git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
+    """Raise CheckoutError if a file that git does not ignore differs from the commit, or is not in it."""
+    changed = git(root, "status", "--porcelain", "--untracked-files=all").splitlines()
     if changed:
         names = ", ".join(line[3:] for line in changed[:_MAX_NAMED])
         more = f" and {len(changed) - _MAX_NAMED} more" if len(changed) > _MAX_NAMED else ""
@@ -56,21 +51,21 @@ def check_tag(tag: str, root: Path = ROOT) -> None:
     """Raise CheckoutError if the tag is not of this version or not on this commit."""
     if tag != f"v{version(root)}":
         raise CheckoutError(f"the tag {tag} is not v{version(root)}, the version in {VERSION_FILE}")
-    if commit(root, tag) != commit(root, "HEAD"):
+    if _commit(root, tag) != _commit(root, "HEAD"):
         raise CheckoutError(f"{tag} is another commit than the one that is checked out")
 
 
-def commit(root: Path, name: str) -> str:
-    """Find the commit of a tag or branch."""
-    return _git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
+def _commit(root: Path, name: str) -> str:
+    return git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
 
 
 def _parts(text: str) -> tuple[int, ...]:
     return tuple(map(int, text.split(".")))
 
 
-def _git(root: Path, *arguments: str) -> str:
-    done = subprocess.run(  # noqa: S603 - our own command
+def git(root: Path, *arguments: str) -> str:
+    """Run git in a checkout and return its output; raises CheckoutError if it fails."""
+    done = subprocess.run(
         ["git", "-C", str(root), *arguments],  # noqa: S607
         capture_output=True,
         text=True,

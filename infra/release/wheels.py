@@ -1,17 +1,14 @@
 """Wheels: the solver's, the client's, and the server's, which has the built site inside."""
 
-from __future__ import annotations
-
 import os
 import shutil
-import subprocess
 import tempfile
 import tomllib
 from pathlib import Path
 
 from flit_core.wheel import make_wheel_in  # type: ignore[import-untyped]
 
-from infra.release.checkout import ROOT, version
+from infra.release.checkout import ROOT, git, version
 from infra.web_build import site
 from infra.web_build.site_headers import compress
 
@@ -42,15 +39,9 @@ calibdb-ops = "calibdb_server:operate"
 def build(target: Path) -> list[Path]:
     """Build all wheels into a folder; return their paths. Raises SiteError if the site cannot be built."""
     # flit gives all files of a wheel this time: the same commit makes the same bytes.
-    os.environ.setdefault("SOURCE_DATE_EPOCH", _commit_time())
+    os.environ.setdefault("SOURCE_DATE_EPOCH", git(ROOT, "log", "-1", "--format=%ct").strip())
     built = [make_wheel_in(project / "pyproject.toml", target).file for project in PROJECTS]
     return [*built, build_server(target)]
-
-
-def _commit_time() -> str:
-    """Time of the last commit, unix seconds."""
-    command = ["git", "-C", str(ROOT), "log", "-1", "--format=%ct"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
 
 
 def build_server(target: Path) -> Path:
@@ -74,8 +65,10 @@ def build_server(target: Path) -> Path:
         (package / "__init__.py").write_text(stamped, encoding="utf-8")
         shutil.copy2(ROOT / "LICENSE", place)
         project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+        listed = {each for group in _GROUPS for each in project["dependency-groups"][group]}
         described = _PROJECT.format(
-            python=project["project"]["requires-python"], dependencies=_dependencies(project)
+            python=project["project"]["requires-python"],
+            dependencies=sorted(each for each in listed if not each.startswith(_NOT_NEEDED)),
         )
         Path(place, "pyproject.toml").write_text(described, encoding="utf-8")
         built: Path = make_wheel_in(Path(place, "pyproject.toml"), target).file
@@ -89,8 +82,3 @@ def _precompress(*folders: Path) -> None:
         compressed = compress(path.name, path.read_bytes(), level=9)
         if compressed is not None:
             path.with_name(f"{path.name}.gz").write_bytes(compressed)
-
-
-def _dependencies(project: dict[str, dict[str, list[str]]]) -> list[str]:
-    listed = {each for group in _GROUPS for each in project["dependency-groups"][group]}
-    return sorted(each for each in listed if not each.startswith(_NOT_NEEDED))

@@ -1,7 +1,5 @@
 """The ASGI application: the API of `functions/*`, the public dumps, and the site."""
 
-from __future__ import annotations
-
 import asyncio
 import importlib
 import logging
@@ -21,8 +19,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from calibdb.http.application import IN_THREAD, application, with_default_headers
 
 FUNCTIONS = (
-    *("lookup", "health", "auth", "session", "next_pose", "submit", "rig", "cameras", "export", "checks"),
-    "tokens",
+    *("lookup", "health", "auth", "session", "next_pose", "submit"),
+    *("rig", "cameras", "export", "checks", "tokens"),
 )
 MAX_BODY_BYTES = 6 * 1024 * 1024
 ORIGINS = ("http://127.0.0.1:*", "http://localhost:*", "http://[::1]:*")
@@ -47,18 +45,10 @@ _access = logging.getLogger("infra.server.access")
 
 @dataclass(frozen=True)
 class Public:
-    """Callers that may reach the server, and its name; by default this machine only.
+    """Callers that may reach the server, and its name; by default this machine only."""
 
-    Attributes
-    ----------
-    url
-        Address of the site for everyone, "https://calibdb.example"; None: this machine only.
-    proxies
-        Networks of the reverse proxies whose `X-Forwarded-For` is believed.
-    """
-
-    url: str | None = None
-    proxies: Sequence[str] = ()
+    url: str | None = None  # "https://calibdb.example"
+    proxies: Sequence[str] = ()  # networks of the reverse proxies whose `X-Forwarded-For` is believed
 
     def allows(self, host: str) -> bool:
         """True if the server answers to this `Host` header."""
@@ -71,25 +61,15 @@ def is_loopback(host: str) -> bool:
 
 
 class App:
-    """The application.
-
-    Parameters
-    ----------
-    site, dumps
-        Applications of the pages and of `/dumps/`.
-    workers
-        Threads of the API's endpoints.
-    public
-        Public address and trusted proxies; None: a private server.
-    """
+    """The application; `site`, `dumps`: those of the pages and of `/dumps/`."""
 
     def __init__(
-        self, site: ASGIApp, dumps: ASGIApp, workers: ThreadPoolExecutor, public: Public | None = None
+        self, site: ASGIApp, dumps: ASGIApp, workers: ThreadPoolExecutor, public: Public = Public()
     ) -> None:
         self._site = site
         self._dumps = dumps
         self._workers = workers
-        self._public = public or Public()
+        self._public = public
         self._routes: list[Route] = []
         for name in FUNCTIONS:
             self._routes += importlib.import_module(f"functions.{name}.app").handler.routes
@@ -134,7 +114,7 @@ class App:
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request of the API: the body is read here, the endpoint runs in a thread."""
-        body: bytes | None = b""
+        body = b""
         if any(name in (b"content-length", b"transfer-encoding") for name, _ in scope["headers"]):
             try:
                 async with asyncio.timeout(BODY_TIMEOUT_S):
@@ -144,7 +124,7 @@ class App:
                 return
             except ClientDisconnect:
                 return
-        if body is None:
+        if len(body) > MAX_BODY_BYTES:
             await _message(413, "Request Entity Too Large")(scope, receive, send)
             return
         whole: Message = {"type": "http.request", "body": body, "more_body": False}
@@ -162,13 +142,13 @@ class App:
         return future.result() if done else _message(503, "Service Unavailable")
 
 
-async def _read(request: Request) -> bytes | None:
-    """Read the body; None if it is too large."""
+async def _read(request: Request) -> bytes:
+    """Read the body, or its beginning if it is too large."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
         if len(body) > MAX_BODY_BYTES:
-            return None
+            break
     return bytes(body)
 
 

@@ -1,7 +1,5 @@
 """The command `calibdb-server`: its options, its processes, and signals."""
 
-from __future__ import annotations
-
 import argparse
 import ctypes
 import gc

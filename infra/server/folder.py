@@ -1,7 +1,5 @@
 """The data folder: its lock, its secrets, and its checks at the start."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import os
@@ -26,7 +24,6 @@ KEYPOINTS, SITE = "keypoints", "site"
 """Buckets of objects: of everything measured, and of what everyone may read."""
 LOCK_TIMEOUT_S = 5.0
 """Time for the processes of a server that was killed to end."""
-_JOURNAL = "journal.sqlite"  # of the versions before SQLite was the database
 _RESTORE = "restore a backup with `calibdb-ops --data {folder} restore FILE`"
 _REPAIR = "Rebuild the index with `calibdb-ops --data {folder} reindex`, or " + _RESTORE
 
@@ -36,25 +33,12 @@ class FolderError(Exception):
 
 
 class Folder:
-    """An open data folder, locked until `close`; None: in memory.
+    """An open data folder, created if necessary and locked until `close`; None: in memory.
 
-    Parameters
-    ----------
-    path
-        The folder, created if necessary.
-    clock
-        Unix seconds.
-    new_secrets
-        Replace the secrets.
-    as_worker
-        The process that started this one has locked and checked the folder.
-    as_guest
-        A server may have the folder in use; then it has checked it.
+    `new_secrets`: replace the secrets. `as_worker`: the process that started this one has locked and checked
+    the folder. `as_guest`: a server that has the folder in use has checked it.
 
-    Raises
-    ------
-    FolderError, secrets.SecretsError
-        If the folder cannot be used.
+    Raises FolderError or SecretsError if the folder cannot be used.
     """
 
     def __init__(
@@ -91,12 +75,7 @@ class Folder:
     def _open(self, path: Path, clock: Any, *, new_secrets: bool, as_worker: bool) -> None:
         file, secret_file = path / FILE_NAME, path / "secrets.json"
         exists = file.exists()
-        if not exists and (path / _JOURNAL).exists():
-            raise FolderError(
-                f"{path} was written by a version before 0.1.0. Write its captures to files with that "
-                "version, `calibdb-ops dump --private FILES`, and load them here, `calibdb-ops load FILES`"
-            )
-        if secret_file.exists() and (not exists or (file.exists() and file.stat().st_size == 0)):
+        if secret_file.exists() and (not exists or file.stat().st_size == 0):
             raise FolderError(
                 f"{file} is missing or empty, but {secret_file.name} is there: "
                 f"{_RESTORE.format(folder=path)}, or move the whole folder away to start empty"
@@ -105,9 +84,9 @@ class Folder:
             secret_file.replace(secret_file.with_suffix(".old"))
         self.secrets = secrets.load(secret_file, known=exists and not new_secrets)
         try:
-            if not as_worker and file.exists():
+            if exists and not as_worker:
                 self._check(file)
-            if not file.exists():
+            if not exists:
                 os.close(os.open(file, os.O_CREAT | os.O_RDWR, 0o600))
             self.database = Database(path, clock)
         except SchemaError as error:
@@ -175,7 +154,6 @@ def lock_folder(path: Path, timeout_s: float) -> int | None:
 
 
 def _copy_aside(file: Path) -> Path:
-    """Copy the database and its log to a new folder next to them."""
     copy = file.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}-{os.getpid()}")
     copy.mkdir()
     for suffix in ("", "-wal"):
@@ -196,7 +174,7 @@ def _damaged_items(connection: sqlite3.Connection) -> Iterator[tuple[Any, Any]]:
 
 
 def _damaged_objects(connection: sqlite3.Connection, folder: Path) -> Iterator[tuple[int, str]]:
-    """Yield row and name of the objects whose content does not have its hash; remove unused files."""
+    """Yield row and name of the objects whose content does not match its hash; remove unused files."""
     used = set()
     for row, name, tag, content in connection.execute("SELECT rowid, name, tag, content FROM objects"):
         if content is None:

@@ -1,7 +1,5 @@
 """The worker of the queue of jobs, and the functions that run them."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import logging

@@ -19,7 +19,7 @@ from calibdb.store.dumps import JSON, NO_STATISTICS, STATISTICS
 from calibdb.store.sqlite import SqliteObjects
 from infra.web_build import site
 from infra.web_build.root_files import root_file
-from infra.web_build.sdk import SdkError
+from infra.web_build.sdk import SiteError
 from infra.web_build.site_headers import FOR_EVERYONE, compress, headers, media_type
 
 CHECK_INTERVAL_S = 1.0
@@ -32,27 +32,34 @@ class _File:
     """A file in memory, as it is sent."""
 
     content: bytes
-    headers: list[tuple[bytes, bytes]]
-    tag: bytes
-    compressed: tuple[bytes, list[tuple[bytes, bytes]]] | None
+    compressed: bytes | None
+    headers: dict[str, str]
+
+    @classmethod
+    def of(cls, key: str, content: bytes, compressed: bytes | None = None) -> _File:
+        if compressed is None and len(content) <= _MAX_COMPRESSED_BYTES:
+            compressed = compress(key, content)
+        described = headers(key) | {
+            "content-type": media_type(key),
+            "etag": f'"{hashlib.sha256(content).hexdigest()[:24]}"',
+        }
+        return cls(content, compressed, described | ({"vary": "accept-encoding"} if compressed else {}))
+
+    def response(self, asked: Headers) -> Response:
+        if self.headers["etag"] in asked.get("if-none-match", ""):
+            unchanged = {name: value for name, value in self.headers.items() if name != "content-type"}
+            return Response(None, 304, unchanged)
+        if self.compressed is not None and "gzip" in asked.get("accept-encoding", ""):
+            return Response(self.compressed, 200, self.headers | {"content-encoding": "gzip"})
+        return Response(self.content, 200, self.headers)
 
 
 class Pages:
     """ASGI application of the site: GET and HEAD of the pages and files, `index.html` for folders.
 
     Pages are made again when one of their sources has changed, which is checked at most once per
-    `CHECK_INTERVAL_S`.
-
-    Parameters
-    ----------
-    folder
-        The static client.
-    settings
-        Content of `/config.json`.
-    options
-        Facts about the deployment that the pages contain.
-    with_head
-        Called with a result's page and `calibration_id`; returns the page with its title. Runs in a thread.
+    `CHECK_INTERVAL_S`. `settings`: content of `/config.json`. `with_head` is called in a thread with a
+    result's page and `calibration_id`, and returns the page with its title.
     """
 
     def __init__(
@@ -80,20 +87,22 @@ class Pages:
             content = root_file(key, self._folder, self._options, self._settings)
             if content is None:
                 await self._refresh(key)
-        except (site.SiteError, SdkError) as error:
+        except SiteError as error:
             await PlainTextResponse(str(error), 500)(scope, receive, send)
             return
-        page = self._find(key) if content is None else _file(key, content)
+        page = (
+            self._find(key, scope["query_string"].decode("latin-1"))
+            if content is None
+            else _File.of(key, content)
+        )
         if isinstance(page, _File):
             if _RESULT.fullmatch(key) and (shared := QueryParams(scope["query_string"]).get("id")):
                 head = await asyncio.to_thread(self._with_head, page.content.decode(), calibration_id=shared)
-                page = _file(f"{key}index.html", head.encode())
-            await _send(page, scope, send)
-            return
-        if page is not None:
-            query = scope["query_string"].decode("latin-1")
-            page.headers["location"] += query and f"?{query}"
-        await (page or self._missing(key))(scope, receive, send)
+                page = _File.of(f"{key}index.html", head.encode())
+            response = page.response(Headers(scope=scope))
+        else:
+            response = page or self._missing(key)
+        await response(scope, receive, send)
 
     def warm(self) -> None:
         """Make the pages now."""
@@ -107,7 +116,7 @@ class Pages:
         self._checked = time.monotonic() if self._made else self._checked
         await asyncio.to_thread(self.warm)
 
-    def _find(self, key: str) -> _File | RedirectResponse | None:
+    def _find(self, key: str, query: str) -> _File | Response | None:
         made = f"{key}index.html" if not key or key.endswith("/") else key
         content = self._made.get(made)
         if content is not None:
@@ -116,7 +125,7 @@ class Pages:
         if self._folder not in path.parents:
             return None
         if f"{key}/index.html" in self._made or (path / "index.html").is_file():
-            return RedirectResponse(f"/{key}/")
+            return RedirectResponse(f"/{key}/{query and f'?{query}'}")
         if not path.is_file():
             return None
         status = path.stat()
@@ -132,7 +141,7 @@ class Pages:
     def _file(self, key: str, state: object, content: bytes, compressed: bytes | None) -> _File:
         file = self._files.get(key)
         if file is None or file[0] is not state:
-            file = self._files[key] = state, _file(key, content, compressed)
+            file = self._files[key] = state, _File.of(key, content, compressed)
         return file[1]
 
     def _missing(self, key: str) -> Response:
@@ -141,37 +150,6 @@ class Pages:
         if is_file or "404.html" not in self._made:
             return PlainTextResponse("Not Found", 404)
         return Response(self._made["404.html"], 404, headers("404.html"), "text/html")
-
-
-def _file(key: str, content: bytes, compressed: bytes | None = None) -> _File:
-    tag = f'"{hashlib.sha256(content).hexdigest()[:24]}"'
-    described = headers(key) | {"content-type": media_type(key), "etag": tag}
-    if compressed is None and len(content) <= _MAX_COMPRESSED_BYTES:
-        compressed = compress(key, content)
-    if compressed is None:
-        return _File(content, _raw(described, content), tag.encode(), None)
-    described["vary"] = "accept-encoding"
-    smaller = compressed, _raw(described | {"content-encoding": "gzip"}, compressed)
-    return _File(content, _raw(described, content), tag.encode(), smaller)
-
-
-def _raw(described: Mapping[str, str], content: bytes) -> list[tuple[bytes, bytes]]:
-    all_headers = {**described, "content-length": str(len(content))}
-    return [(name.encode(), value.encode()) for name, value in all_headers.items()]
-
-
-async def _send(file: _File, scope: Scope, send: Send) -> None:
-    content, own = file.content, file.headers
-    for name, value in scope["headers"]:
-        if name == b"if-none-match" and file.tag in value:
-            own = [header for header in own if header[0] not in (b"content-length", b"content-type")]
-            await send({"type": "http.response.start", "status": 304, "headers": own})
-            await send({"type": "http.response.body", "body": b""})
-            return
-        if name == b"accept-encoding" and file.compressed is not None and b"gzip" in value:
-            content, own = file.compressed
-    await send({"type": "http.response.start", "status": 200, "headers": own})
-    await send({"type": "http.response.body", "body": b"" if scope["method"] == "HEAD" else content})
 
 
 class PublicObjects:

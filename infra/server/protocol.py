@@ -1,7 +1,5 @@
 """HTTP/1.1 of the server: a connection that does not send a whole header in time is closed."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 
@@ -19,7 +17,7 @@ class TimedProtocol(HttpToolsProtocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start to wait for the first header."""
-        super().connection_made(OneWrite(transport, self.loop))  # type: ignore[arg-type]
+        super().connection_made(_OneWrite(transport, self.loop))  # type: ignore[arg-type]
         self._wait()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -48,7 +46,7 @@ class TimedProtocol(HttpToolsProtocol):
             self._timer = None
 
 
-class OneWrite:
+class _OneWrite:
     """A transport that sends header and body of a response in one system call."""
 
     def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:

@@ -1,7 +1,5 @@
 """The server's own secrets."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -39,12 +37,7 @@ class SecretsError(Exception):
 def load(path: Path, *, known: bool = False) -> Secrets:
     """Read the secrets of a file, which is created at the first time; only its owner may read it.
 
-    They last, so that a restart does not end running sessions, nor make every contributor another one.
-
-    Raises
-    ------
-    SecretsError
-        If the file is damaged, or missing where it is `known` that there was one.
+    Raises SecretsError if the file is damaged, or missing although it is `known` that there was one.
     """
     if not path.exists():
         if known:

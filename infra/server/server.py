@@ -1,7 +1,5 @@
 """The server in this process: data folder, jobs, upkeep, and the application."""
 
-from __future__ import annotations
-
 import logging
 import os
 import socket
@@ -62,49 +60,21 @@ _log = logging.getLogger("infra.server")
 class Server:
     """The service over one data folder within the block. One at a time in a process.
 
-    Parameters
-    ----------
-    data
-        The folder; None: in memory.
-    environment
-        Variables of the functions, over the server's own.
-    port, host
-        Address of `serve`; port 0: any free one.
-    public
-        Public address and trusted proxies; None: a private server.
-    web
-        The static client.
-    clock
-        Unix seconds, of storage.
-    pauses_s
-        Pauses before a job that failed runs again.
-    stop_timeout_s
-        Time for a running job when the block ends.
-    new_secrets
-        Replace the secrets of the folder.
-    worker
-        Number of this process among several over the folder, which another process has checked; None: the
-        only one. The first one runs jobs and upkeep.
-
-    Raises
-    ------
-    FolderError, SecretsError
-        At the start of the block, if the folder cannot be used.
-    PortInUseError
-        At the start of the block, if the port cannot be used.
+    The start of the block raises FolderError, SecretsError or PortInUseError.
     """
 
-    data: Path | None = None
-    environment: Mapping[str, str] = field(default_factory=dict)
-    port: int = 0
+    data: Path | None = None  # None: in memory
+    environment: Mapping[str, str] = field(default_factory=dict)  # of the functions, over the server's own
+    port: int = 0  # 0: any free one
     _: KW_ONLY
     host: str = "127.0.0.1"
     public: Public = field(default_factory=Public)
     web: Path = WEB
-    clock: Callable[[], float] = time.time
-    pauses_s: Sequence[float] = jobs.PAUSES_S
-    stop_timeout_s: float = 60.0
+    clock: Callable[[], float] = time.time  # of storage, unix seconds
+    pauses_s: Sequence[float] = jobs.PAUSES_S  # before a job that failed runs again
+    stop_timeout_s: float = 60.0  # for a running job when the block ends
     new_secrets: bool = False
+    # Number among several processes over the folder, which another one has checked; 0 runs jobs and upkeep.
     worker: int | None = None
     inherited: socket.socket | None = None
 
@@ -123,7 +93,6 @@ class Server:
         stack.callback(folder.close)
         self.folder = folder
         self.damage = tuple(folder.damage)
-        """Sentences about damage that was found in the folder."""
         self.listener = self.inherited or bind(self.host, self.port)
         stack.callback(self.listener.close)
         self.url = self.public.url or f"http://127.0.0.1:{self.listener.getsockname()[1]}"
@@ -133,9 +102,8 @@ class Server:
         self.jobs = SqliteJobs(folder.database, jobs.run)
         self.storage = stack.enter_context(opened_for_functions(folder, self.jobs, self.environment))
         self.token = self._admit_token()
-        """Token of the site's own pages."""
         named = {name: os.environ.get(variable, "") for variable, name in OPERATOR_PARAMETERS.items()}
-        settings, options = public_settings("/v1", self.token, named), Options(self.url, contacts(named))
+        settings, options = public_settings(self.token, named), Options(self.url, contacts(named))
         self.pages = Pages(self.web, settings, options, partial(shared_page, store=Store.over(self.storage)))
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)

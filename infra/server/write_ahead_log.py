@@ -7,8 +7,6 @@ they are commits that are lost.
 Source: sqlite.org/fileformat2.html, section 4, "The Write-Ahead Log".
 """
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 

@@ -1,10 +1,10 @@
-"""Write the ArUco marker bits that the web client draws boards with.
-
-OpenCV's own dictionaries of one marker size are prefixes of the largest, so four tables hold all of them;
-the original one and AprilTag's families have one each. Bits are packed row by row, marker after marker, most
-significant bit first, 1 = white, without the black border.
+"""Write the ArUco marker bits with which the web client draws boards.
 
     python -m infra.web_build.dictionaries
+
+OpenCV's dictionaries of one marker size are prefixes of the largest, so four tables contain all of them; the
+original one and AprilTag's families have one each. Bits are packed row by row, marker after marker, most
+significant bit first, 1 = white, without the black border.
 """
 
 import base64
@@ -27,7 +27,7 @@ TABLES = {
 }
 
 
-def bits(name: str) -> np.ndarray:
+def _bits(name: str) -> np.ndarray:
     """Return the inner bits of every marker of a predefined dictionary, (markers, side, side) of 0 and 1."""
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
     side = dictionary.markerSize
@@ -45,9 +45,9 @@ def text() -> str:
     lines.append("/** @type {Record<string, {side: number, count: number, bits: string}>} */")
     lines.append("export const TABLES = {")
     for key, (name, side) in TABLES.items():
-        table = bits(name)
+        table = _bits(name)
         for count in (50, 100, 250):
-            if key[0].isdigit() and not np.array_equal(bits(f"DICT_{key}_{count}"), table[:count]):
+            if key[0].isdigit() and not np.array_equal(_bits(f"DICT_{key}_{count}"), table[:count]):
                 raise ValueError(f"DICT_{key}_{count} is not a prefix of {name}")
         packed = base64.b64encode(np.packbits(table.astype(np.uint8).ravel()).tobytes()).decode()
         lines.append(f'  "{key}": {{ side: {side}, count: {len(table)}, bits: "{packed}" }},')

@@ -4,7 +4,6 @@ import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
 const modules = fileURLToPath(new URL("../../node_modules/", import.meta.url));
-
 const buffer = fileURLToPath(new URL("./buffer.mjs", import.meta.url));
 
 const ENGINES = {
@@ -27,7 +26,7 @@ const ENGINES = {
 };
 const NAMES = { three: "three", "@babylonjs/core": "babylon", aframe: "aframe" };
 
-/** A-Frame's text makes its getters from strings, which our policy refuses, too. @type {import("esbuild").Plugin} */
+/** A-Frame's text makes its getters from strings, which our policy refuses, too. */
 const withoutStrings = {
   name: "without strings",
   setup({ onLoad }) {
@@ -44,12 +43,11 @@ const withoutStrings = {
   },
 };
 
-/** @param {string} folder web/vendor/ */
 export async function vendorEngines(folder) {
   const outdir = `${folder}engines`;
   mkdirSync(outdir, { recursive: true });
   for (const [name, contents] of Object.entries(ENGINES)) {
-    const file = NAMES[/** @type {keyof typeof NAMES} */ (name)];
+    const file = NAMES[name];
     await build({
       stdin: { contents, resolveDir: modules, sourcefile: `${file}.js` },
       outfile: `${outdir}/${file}.js`,

@@ -1,7 +1,5 @@
 """Examples of all calls, in an order in which each finds what it needs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -40,12 +40,12 @@ const FOOTER = [
 ];
 const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
 
-/** The address of a page, from the root. @param {string} key @param {string} language */
+/** The address of a page, from the root. */
 export function addressOf(key, language) {
   return `/${language === "en" ? "" : `${language}/`}${key.replace(/(^|\/)index\.html$/, "$1")}`;
 }
 
-/** Puts the common parts into a page. @param {Document} document @param {Place} place */
+/** Puts the common parts into a page. */
 export function frame(document, place) {
   head(document, place);
   const header = document.querySelector("header.masthead");
@@ -59,14 +59,10 @@ export function frame(document, place) {
   // The result of a capture is read like any page.
   if (document.getElementById("done"))
     document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation(place, "site"));
-  const column = document.querySelector(".page");
-  if (column) {
-    column.insertAdjacentHTML("beforeend", foot(place));
-  }
+  document.querySelector(".page")?.insertAdjacentHTML("beforeend", foot(place));
   skipLink(document);
 }
 
-/** @param {Document} document @param {Place} place */
 function head(document, { key, language, translated, origin, preloads }) {
   const classic = [
     ...(translated ? ["language"] : []),
@@ -88,18 +84,15 @@ function head(document, { key, language, translated, origin, preloads }) {
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
-  const fonts = alphabets.map(
-    (name) =>
-      `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`,
-  );
-  const scripts = document.querySelector("header.masthead")
-    ? ['<script type="module" src="/lib/header.js"></script>']
-    : [];
+  const hasHeader = document.querySelector("header.masthead");
   const lines = [
     '<link rel="manifest" href="/manifest.json">',
-    ...fonts,
+    ...alphabets.map(
+      (name) =>
+        `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`,
+    ),
     ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`),
-    ...scripts,
+    ...(hasHeader ? ['<script type="module" src="/lib/header.js"></script>'] : []),
     ...addresses(key, language, translated, origin),
   ];
   const social = [
@@ -114,31 +107,22 @@ function head(document, { key, language, translated, origin, preloads }) {
   style?.insertAdjacentHTML("afterend", [...lines, ...social].map((line) => `\n  ${line}`).join(""));
 }
 
-/**
- * Links to the page in each language. Search engines want whole addresses; without an origin these are from the root.
- */
+/** Links to the page in each language. Without an origin they are from the root, which search engines ignore. */
 function addresses(key, language, translated, origin) {
   if (!key.endsWith("index.html")) return [];
   const canonical = `<link rel="canonical" href="${origin}${addressOf(key, language)}">`;
   if (!translated) return [canonical];
-  const alternates = Object.keys(LANGUAGES).map(
-    (code) => `<link rel="alternate" hreflang="${code}" href="${origin}${addressOf(key, code)}">`,
-  );
-  return [
-    canonical,
-    ...alternates,
-    `<link rel="alternate" hreflang="x-default" href="${origin}${addressOf(key, "en")}">`,
-  ];
+  const alternate = (name, code) => `<link rel="alternate" hreflang="${name}" href="${origin}${addressOf(key, code)}">`;
+  return [canonical, ...Object.keys(LANGUAGES).map((code) => alternate(code, code)), alternate("x-default", "en")];
 }
 
-/** Path from this page to another one in the same language. @param {string} page "board/" @param {Place} place */
+/** Path from this page to another one in the same language. */
 function toPage(page, { key, inAllLanguages, translated }) {
   // 404.html is shown at any address.
   if (!key.endsWith("index.html") || !translated || !inAllLanguages.has(`${page}index.html`)) return `/${page}`;
   return `${"../".repeat(key.split("/").length - 1) || "./"}${page}`;
 }
 
-/** @param {Place} place */
 function masthead(place) {
   const current = place.key === "index.html" ? ' aria-current="page"' : "";
   return `<header class="masthead">
@@ -148,13 +132,10 @@ function masthead(place) {
     </header>`;
 }
 
-/** @param {Place} place @param {string} [name] of a class */
 function navigation(place, name = "") {
   const here = place.key.replace(/index\.html$/, "");
-  /** @param {[string, string]} item */
   const item = ([message, page]) =>
     `<a href="${toPage(page, place)}"${here === page ? ' aria-current="page"' : ""} data-t="${message}"></a>`;
-  /** @param {[string, string]} link */
   const there = ([, page]) => place.pages.has(`${page}index.html`);
   const parts = NAVIGATION.map(([message, target]) => {
     if (typeof target === "string") return there([message, target]) ? item([message, target]) : "";
@@ -169,7 +150,6 @@ function navigation(place, name = "") {
   return `<nav${name && ` class="${name}"`} aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>`;
 }
 
-/** @param {string} spoken */
 function languageSelect(spoken) {
   const options = Object.entries(LANGUAGES).map(
     ([code, name]) => `<option value="${code}" lang="${code}"${code === spoken ? " selected" : ""}>${name}</option>`,
@@ -178,7 +158,6 @@ function languageSelect(spoken) {
   return `<select class="language" id="language" ${labels}>${options.join("")}</select>`;
 }
 
-/** @param {Place} place */
 function foot(place) {
   const links = FOOTER.filter(([, page]) => place.pages.has(`${page}index.html`)).map(
     ([message, page]) => `<li><a href="${toPage(page, place)}" data-t="${message}"></a></li>`,
@@ -201,7 +180,6 @@ function foot(place) {
     </footer>`;
 }
 
-/** @param {Document} document */
 function skipLink(document) {
   const main = document.querySelector("main");
   if (!main) return;
@@ -210,7 +188,6 @@ function skipLink(document) {
   document.body.insertAdjacentHTML("afterbegin", `\n  <a class="skip" href="#${main.id}" data-t="common.skip"></a>`);
 }
 
-/** @param {string} text */
 function escape(text) {
   return text.replaceAll("&", "&amp;").replaceAll('"', "&quot;").replaceAll("<", "&lt;");
 }

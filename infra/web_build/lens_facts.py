@@ -4,12 +4,10 @@
 of facts (`calibdb.estimate.facts`). A row is the median over contributors for one model, mode and aspect.
 """
 
-from __future__ import annotations
-
-import argparse
 import csv
 import math
 import statistics
+import sys
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -20,30 +18,15 @@ from calibdb.estimate.facts import FACT_COLUMNS, TABLE
 Row = dict[str, str]
 Key = tuple[str, str, str, str, str]  # kind, maker, model, mode, aspect
 TITLE, URL, LICENCE = "Gyroflow lens profiles", "https://github.com/gyroflow/lens_profiles", "CC0-1.0"
-_ACTION = frozenset(
-    {
-        "aee",
-        "akaso",
-        "caddx",
-        "crosstour",
-        "dji",
-        "eken",
-        "firefly",
-        "foxeer",
-        "garmin",
-        "gopro",
-        "insta360",
-        "runcam",
-        "sargo",
-    }
-)
-_PHONES = frozenset(
-    {"apple", "google", "honor", "huawei", "lg", "motorola", "oneplus", "oppo", "samsung", "xiaomi"}
-)
+_ACTION = {
+    *("aee", "akaso", "caddx", "crosstour", "dji", "eken", "firefly", "foxeer", "garmin", "gopro"),
+    *("insta360", "runcam", "sargo"),
+}
+_PHONES = {"apple", "google", "honor", "huawei", "lg", "motorola", "oneplus", "oppo", "samsung", "xiaomi"}
 # Makers of cameras with interchangeable lenses: no model says anything of a field of view, the kind does.
-_PHOTO = frozenset(
-    {"blackmagic", "canon", "fujifilm", "nikon", "olympus", "panasonic", "pentax", "red", "sigma", "sony"}
-)
+_PHOTO = {
+    *("blackmagic", "canon", "fujifilm", "nikon", "olympus", "panasonic", "pentax", "red", "sigma", "sony")
+}
 _MODES = ("superview", "super", "linear", "narrow", "medium", "wide")
 _MAX_RMS = 3.0  # px; profiles above it do not measure a lens
 _MAX_SINGLE_RMS = 1.5  # px; of a mode with one contributor
@@ -159,11 +142,9 @@ def _edge_angle(row: Row) -> float | None:
     return None
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main(profiles: Path) -> None:
     """Replace the rows of the lens profiles in the table."""
-    parser = argparse.ArgumentParser(prog="python -m infra.web_build.lens_facts")
-    parser.add_argument("profiles", type=Path)
-    with parser.parse_args(arguments).profiles.open(newline="", encoding="utf-8") as file:
+    with profiles.open(newline="", encoding="utf-8") as file:
         rows = facts(usable(csv.DictReader(file)))
     with TABLE.open(newline="", encoding="utf-8") as file:
         others = [row for row in csv.DictReader(file) if row["title"] != TITLE]
@@ -174,4 +155,4 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]))

@@ -1,35 +1,23 @@
 // Messages that a page may show: those that its markup, its modules and the modules they load later mention.
 import { readFileSync, readdirSync } from "node:fs";
+import { basename } from "node:path";
 
 /** @typedef {Record<string, import("../../web/lib/i18n.js").Text>} Texts by "catalog.key" */
 
-/**
- * All catalogs of a language.
- * @param {string} web folder of the client @param {string} language
- * @returns {Texts}
- */
+/** All catalogs of a language. @returns {Texts} */
 export function readMessages(web, language) {
   const folder = `${web}/messages/${language}`;
-  return Object.fromEntries(
-    readdirSync(folder)
-      .filter((file) => file.endsWith(".json"))
-      .sort()
-      .flatMap((file) => {
-        const catalog = file.slice(0, -".json".length);
-        return Object.entries(JSON.parse(readFileSync(`${folder}/${file}`, "utf8"))).map(([key, text]) => [
-          `${catalog}.${key}`,
-          text,
-        ]);
-      }),
-  );
+  const texts = {};
+  for (const file of readdirSync(folder).sort()) {
+    const catalog = JSON.parse(readFileSync(`${folder}/${file}`, "utf8"));
+    for (const [key, text] of Object.entries(catalog)) texts[`${basename(file, ".json")}.${key}`] = text;
+  }
+  return texts;
 }
 
 /**
  * Keys that sources mention. Besides whole keys: "catalog.part_" and `catalog.part_${code}` mention all keys that begin
- * so,
- * `catalog.${name}` those whose names the same source contains, and `${catalog}.name` that name in any catalog.
- * @param {readonly string[]} sources @param {readonly string[]} keys
- * @returns {string[]}
+ * so, `catalog.${name}` those whose names the same source contains, and `${catalog}.name` that name in any catalog.
  */
 export function mentionedKeys(sources, keys) {
   const catalogs = [...new Set(keys.map((key) => key.slice(0, key.indexOf("."))))];
@@ -53,7 +41,7 @@ export function mentionedKeys(sources, keys) {
   );
 }
 
-/** An element with a page's messages, for web/lib/i18n.js. @param {Texts} texts */
+/** An element with a page's messages, for web/lib/i18n.js. */
 export function messagesElement(texts) {
   return `<script type="application/json" id="messages">${JSON.stringify(texts).replaceAll("<", "\\u003c")}</script>`;
 }

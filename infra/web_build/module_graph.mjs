@@ -6,10 +6,8 @@ import { build } from "esbuild";
 const UNWRITTEN = "/unwritten"; // esbuild's paths to external files are relative to this folder
 
 /**
- * @param {string} web folder of the client
- * @param {string[]} entries keys of the modules that pages begin with, "board/main.js"
- * @returns {Promise<Record<string, {now: string[], all: string[]}>>} for each entry: it and all that it imports, near
- *   ones first; `all` also what is imported dynamically
+ * For each of the modules that pages begin with, "board/main.js": `now`, it and all that it imports, near ones first,
+ * and `all`, with dynamic imports.
  */
 export async function moduleGraph(web, entries) {
   const present = entries.filter((entry) => existsSync(`${web}/${entry}`));
@@ -36,12 +34,6 @@ export async function moduleGraph(web, entries) {
   );
 }
 
-/**
- * @param {import("esbuild").Metafile["inputs"]} inputs
- * @param {string} entry
- * @param {string} web
- * @param {string[]} kinds of imports
- */
 function reached(inputs, entry, web, kinds) {
   const found = new Set([entry]);
   for (const name of found) {

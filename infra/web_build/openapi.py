@@ -3,8 +3,6 @@
 python -m infra.web_build.openapi .build/openapi.json     # the document as a file
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import sys

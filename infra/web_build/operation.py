@@ -3,14 +3,12 @@
 Parameters of a query are generated from the pydantic models that the functions parse queries with.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal
 
 from pydantic import AliasChoices, BaseModel
-from pydantic.fields import FieldInfo
 
 from calibdb.http.call import MAX_BODY_BYTES
 
@@ -119,9 +117,11 @@ def query(name: str, content: Node, description: str) -> Node:
     return {"name": name, "in": "query", "schema": content, "description": description}
 
 
-def path(name: str, content: Node, description: str) -> Node:
+def path(
+    name: str, description: str, content: Mapping[str, Any] = MappingProxyType({"type": "string"})
+) -> Node:
     """Make a path parameter by hand."""
-    return {"name": name, "in": "path", "required": True, "schema": content, "description": description}
+    return {"name": name, "in": "path", "required": True, "schema": dict(content), "description": description}
 
 
 def query_of(
@@ -132,39 +132,27 @@ def query_of(
 ) -> tuple[Node, ...]:
     """Generate the query parameters of a model.
 
-    Parameters
-    ----------
-    model
-        Model of the query.
-    descriptions
-        Texts by field, over those of the model's fields.
-    deprecated
-        Aliases that are listed as deprecated parameters. Other aliases are not listed.
-    body_only
-        Fields that a query cannot write.
+    `descriptions` replace those of its fields. `deprecated`: aliases that are listed as deprecated
+    parameters; others are not listed. `body_only`: fields that a query cannot write.
     """
     nodes = model.model_json_schema(by_alias=False)["properties"]
     parameters = []
     for name, info in model.model_fields.items():
         if name in body_only:
             continue
-        aliases = [alias for alias in _aliases(info) if alias in deprecated]
+        choices = info.validation_alias
+        known = choices.choices if isinstance(choices, AliasChoices) else ()
+        aliases = [str(alias) for alias in known if alias in deprecated]
         node = query(name, _as_text(nodes[name]), (descriptions or {}).get(name) or info.description or "")
         parameters.append(node | ({"required": True} if info.is_required() and not aliases else {}))
         parameters += [query(alias, node["schema"], _DEPRECATED) | {"deprecated": True} for alias in aliases]
     return tuple(parameters)
 
 
-def _aliases(info: FieldInfo) -> list[str]:
-    choices = info.validation_alias
-    return [str(choice) for choice in choices.choices] if isinstance(choices, AliasChoices) else []
-
-
 def _as_text(node: Node) -> Node:
     """Convert a field's JSON schema to that of its text in a query.
 
-    A flag is 0, 1, false or true. Two numbers are a size, as in 1280x720; of other lists commas separate the
-    numbers.
+    Two numbers are a size, as in 1280x720; commas separate the numbers of other lists.
     """
     merged = next((choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"), {}) | node
     if merged["type"] == "boolean":

@@ -5,8 +5,6 @@ for values from earlier responses. `infra.web_build.recorded_examples` sends the
 responses.
 """
 
-from __future__ import annotations
-
 from calibdb import schema
 from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX
@@ -31,11 +29,13 @@ EXAMPLE_CAMERA = "HD Pro Webcam C920 (046d:082d)"
 EXAMPLE_PLATFORM = "X11; Linux x86_64"
 EXAMPLE_KEY = {"camera": EXAMPLE_CAMERA, "platform": EXAMPLE_PLATFORM, "img_size": [1280, 720]}
 EXAMPLE_BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
-EXAMPLE_IDS = [0, 1, 2, 8, 9, 10, 16]
-EXAMPLE_POINTS = [
-    *([412.3, 207.9], [498.1, 214.0], [585.6, 220.7], [405.2, 291.4], [492.8, 298.9], [582.0, 306.8]),
-    [398.0, 377.1],
-]
+_VIEW = {
+    "ids": [0, 1, 2, 8, 9, 10, 16],
+    "points": [
+        *([412.3, 207.9], [498.1, 214.0], [585.6, 220.7], [405.2, 291.4], [492.8, 298.9], [582.0, 306.8]),
+        [398.0, 377.1],
+    ],
+}
 
 EXAMPLE_FILE = (
     "image_width: 1280\nimage_height: 720\ncamera_name: c920\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
@@ -65,6 +65,10 @@ _LOOKUP = query_of(
     body_only=("reported", "board", "views"),
 )
 _REDIRECT = next(node for node in _LOOKUP if node["name"] == "redirect")
+_CONVERSION = (
+    "`X-Conversion-Error` says how many px its projection is off at most, `X-Conversion-Coverage` over which "
+    "share of the image."
+)
 _STATE = Content("The session's state.", schema.SessionState)
 _TOKEN, _SESSION, _MANAGEMENT = ("apiToken",), ("sessionId",), ("managementToken",)
 _MANAGED_TOKEN = Content("All about the token.", schema.ManagedToken)
@@ -81,12 +85,12 @@ _FOUND = {
 }
 
 _RIG_STATE = Content("The rig's state.", schema.RigState, headers=("ETag",))
-_RIG_ID = path("id", {"type": "string"}, "Id of the rig.")
+_RIG_ID = path("id", "Id of the rig.")
 _RIG_FILES = ("application/yaml", "application/zip", "model/gltf+json")
 _MOMENT = path(
     "moment",
-    {"type": "string", "pattern": rf"^[A-Za-z0-9_-]{{1,{MAX_MOMENT_LENGTH}}}$"},
     "Id of the moment.",
+    {"type": "string", "pattern": rf"^[A-Za-z0-9_-]{{1,{MAX_MOMENT_LENGTH}}}$"},
 )
 
 _RIGS = (
@@ -385,7 +389,7 @@ OPERATIONS = (
             "is true if the view became part of the session; otherwise `reason` explains the refusal. "
             "The call is idempotent."
         ),
-        example={"index": 0, "ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS},
+        example={"index": 0, **_VIEW},
     ),
     Operation(
         "post",
@@ -401,7 +405,7 @@ OPERATIONS = (
             "judges them in their order and returns a result for each. If a view has invalid fields, no "
             "view is judged, and `errors` has an entry for each invalid view."
         ),
-        example={"index": 0, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
+        example={"index": 0, "views": [_VIEW]},
     ),
     Operation(
         "delete",
@@ -411,7 +415,7 @@ OPERATIONS = (
         {200: _STATE},
         _SESSION,
         parameters=(
-            path("index", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}, "Index of the view."),
+            path("index", "Index of the view.", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}),
         ),
         problems=(404, 409, 422),
         description="Removes a view from the session. Its index is not used again.",
@@ -492,8 +496,7 @@ OPERATIONS = (
         {
             200: Content(
                 "The calibration, and what its session found out about it; or another tool's file. "
-                "`X-Conversion-Error` says how many px its projection is off at most, "
-                "`X-Conversion-Coverage` over which share of the image.",
+                + _CONVERSION,
                 schema.ReportedCalibration,
                 _FILES,
                 headers=("X-Conversion-Error", "X-Conversion-Coverage"),
@@ -502,7 +505,7 @@ OPERATIONS = (
         },
         _TOKEN,
         parameters=(
-            path("id", {"type": "string"}, "As a session or a lookup returned it."),
+            path("id", "As a session or a lookup returned it."),
             *query_of(schema.ExportQuery),
         ),
         problems=(404, 410, 422),
@@ -519,9 +522,7 @@ OPERATIONS = (
         "Another program's calibration file in another format",
         {
             200: Content(
-                "The file. Its camera matrix and distortion are read, and nothing is stored. "
-                "`X-Conversion-Error` says how many px its projection is off at most, "
-                "`X-Conversion-Coverage` over which share of the image.",
+                "The file. Its camera matrix and distortion are read, and nothing is stored. " + _CONVERSION,
                 None,
                 (JSON, *_FILES),
                 headers=("X-Conversion-Error", "X-Conversion-Coverage", "Content-Disposition"),
@@ -557,7 +558,7 @@ OPERATIONS = (
             "result as a vote. Only the poses are fitted to the views. With `calibration` it compares that "
             "calibration with a fit of the views instead, without a vote. The session need not be started."
         ),
-        example={**EXAMPLE_KEY, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
+        example={**EXAMPLE_KEY, "views": [_VIEW]},
     ),
     Operation(
         "get",
@@ -581,7 +582,7 @@ OPERATIONS = (
         "Everything about one camera",
         {200: Content("The camera, by size and zoom.", schema.CameraDetail)},
         _TOKEN,
-        parameters=(path("key", {"type": "string"}, "As a search returned it."),),
+        parameters=(path("key", "As a search returned it."),),
         problems=(404,),
         description=(
             "Returns everything that is known about a camera: by size and zoom, the calibrations, "
@@ -598,10 +599,10 @@ OPERATIONS = (
             404: Content("Ask by POST.", schema.UnknownCamera),
         },
         parameters=(
-            path("digest", {"type": "string"}, "Of label and platform: docs/api.md, Known cameras."),
-            path("size", {"type": "string"}, "Width, x and height of the image, as in `1280x720`."),
-            path("zoom", {"type": "string"}, "Up to six decimals, without zeros at the end: `0`, `1.5`."),
-            path("file", {"type": "string"}, "Distortion model and `.json`, as in `rectilinear.json`."),
+            path("digest", "Of label and platform: docs/api.md, Known cameras."),
+            path("size", "Width, x and height of the image, as in `1280x720`."),
+            path("zoom", "Up to six decimals, without zeros at the end: `0`, `1.5`."),
+            path("file", "Distortion model and `.json`, as in `rectilinear.json`."),
         ),
         description=(
             "Looks a camera up by the digest of its label and platform. It needs neither a credential nor a "
@@ -621,8 +622,8 @@ OPERATIONS = (
         "Badge for a README",
         {200: Content("The badge; a grey one where nothing is known.", pictures=(SVG,))},
         parameters=(
-            path("key", {"type": "string"}, "As a search returned it."),
-            path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
+            path("key", "As a search returned it."),
+            path("file", "Width, x, height and `.svg`, as in `1280x720.svg`."),
         ),
         description=(
             "Returns an image for a README or a page: whether a camera is calibrated at a size, and with "

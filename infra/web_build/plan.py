@@ -4,8 +4,6 @@ Poses are relative to the board (unit = one square), for the default board and a
 fx = fy = 0.8 widths, no distortion. For another board or size the page scales them.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

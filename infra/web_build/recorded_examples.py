@@ -1,10 +1,7 @@
-"""Answers of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
+"""Responses of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
 
-A stack in memory gets five calibrations of one synthetic camera; then every example of `example_calls` is
-sent to it. `.build/examples.json` contains its responses. The OpenAPI document and the reference show them.
+A server in memory gets five calibrations of one synthetic camera, then every example of `example_calls`.
 """
-
-from __future__ import annotations
 
 import asyncio
 import functools
@@ -25,7 +22,7 @@ from infra.server.jobs import JobWorker
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import EXAMPLE_CAMERA, EXAMPLE_PLATFORM, OPERATIONS
+from infra.web_build.operations import OPERATIONS
 from infra.web_build.site import ROOT
 
 EXAMPLES = {operation.name: operation.example for operation in OPERATIONS}
@@ -44,17 +41,14 @@ _TRUTH = Camera(
 )
 
 
-def prepare(stack: Server) -> None:
-    """Publish the calibrations by which the camera of the examples is reliably known.
-
-    Jobs run only here: nothing of the examples shows what they do.
-    """
-    for session in [record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
-        send(stack, "POST", "/v1/session/finish", session)
+def _prepare(stack: Server) -> None:
+    """Publish the calibrations by which the camera of the examples is reliable. Jobs run only here."""
+    for session in [_record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
+        _send(stack, "POST", "/v1/session/finish", session)
     worker = JobWorker(stack.jobs)
     worker.start()
     end = time.monotonic() + _CONSENSUS_TIMEOUT_S
-    while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, EXAMPLES["lookup"])).get("reason"):
+    while json.loads(_send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, EXAMPLES["lookup"])).get("reason"):
         if time.monotonic() > end:
             raise ValueError("the calibrations of the examples did not become a consensus")
         time.sleep(0.02)
@@ -62,57 +56,46 @@ def prepare(stack: Server) -> None:
     worker.stop(_CONSENSUS_TIMEOUT_S)
 
 
-def record(stack: Server, seed: int) -> str:
-    """Start a recorded session and submit its views; return its id."""
-    token = DEVELOPMENT_TOKEN
-    session: str = json.loads(send(stack, "POST", "/v1/auth", token))["session_id"]
-    started = {
-        "camera": EXAMPLE_CAMERA,
-        "platform": EXAMPLE_PLATFORM,
-        "img_size": IMG_SIZE,
-        "capture": "recorded",
-    }
-    send(stack, "POST", "/v1/session", session, started)
+def _record(stack: Server, seed: int) -> str:
+    session = _start(stack, {"capture": "recorded"})
     views = [{"ids": ids, "points": points} for ids, points in _views(seed)]
-    send(stack, "POST", "/v1/session/batch", session, {"index": 0, "views": views})
+    _send(stack, "POST", "/v1/session/batch", session, {"index": 0, "views": views})
     return session
 
 
 def prepare_call(stack: Server, name: str, values: dict[str, str]) -> None:
-    """Make what the example of a call wants: a recorded session, one without views, or a whole rig."""
+    """Make the session or the rig that the example of a call requires."""
     match name:
         case "submitViews":
-            values["SESSION_ID"] = start(stack, {"capture": "recorded"})
+            values["SESSION_ID"] = _start(stack, {"capture": "recorded"})
         case "finishSession":
-            values["SESSION_ID"] = record(stack, CALIBRATIONS)
+            values["SESSION_ID"] = _record(stack, CALIBRATIONS)
         case "createRig":
-            values["SESSION_ID"] = start(stack, {})
+            values["SESSION_ID"] = _start(stack, {})
         case "finishRig":
-            values["SESSION_ID"], values["RIG_ID"] = capture_rig(stack)
+            values["SESSION_ID"], values["RIG_ID"] = _capture_rig(stack)
 
 
-def start(stack: Server, options: dict[str, Any]) -> str:
-    """Start a session; return its id."""
-    session: str = json.loads(send(stack, "POST", "/v1/auth", DEVELOPMENT_TOKEN))["session_id"]
-    send(stack, "POST", "/v1/session", session, {**EXAMPLES["startSession"], **options})
+def _start(stack: Server, options: dict[str, Any]) -> str:
+    session: str = json.loads(_send(stack, "POST", "/v1/auth", DEVELOPMENT_TOKEN))["session_id"]
+    _send(stack, "POST", "/v1/session", session, {**EXAMPLES["startSession"], **options})
     return session
 
 
-def capture_rig(stack: Server) -> tuple[str, str]:
-    """Capture moments with two cameras; return the session of the first and the id of the rig."""
-    leader = start(stack, {})
-    made = json.loads(send(stack, "POST", "/v1/rigs", leader, EXAMPLES["createRig"]))
+def _capture_rig(stack: Server) -> tuple[str, str]:
+    leader = _start(stack, {})
+    made = json.loads(_send(stack, "POST", "/v1/rigs", leader, EXAMPLES["createRig"]))
     rig = f"/v1/rigs/{made['rig_id']}"
-    sessions = leader, start(stack, {"rig": {"code": made["join_code"]}})
+    sessions = leader, _start(stack, {"rig": {"code": made["join_code"]}})
     for number, views in enumerate(zip(_views(1), _views(2, (-2.0, 0.0, 0.0)), strict=True)):
-        send(stack, "POST", f"{rig}/moments", leader, {"moment": f"m{number}"})
+        _send(stack, "POST", f"{rig}/moments", leader, {"moment": f"m{number}"})
         for session, (ids, points) in zip(sessions, views, strict=True):
             view = {"ids": ids, "points": points, "moment": f"m{number}"}
-            send(stack, "POST", "/v1/session/views", session, view)
+            _send(stack, "POST", "/v1/session/views", session, view)
     return leader, made["rig_id"]
 
 
-def send(stack: Server, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
+def _send(stack: Server, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
     """Send a request that must succeed; return the body."""
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
     headers |= {} if body is None else {"content-type": "application/json"}
@@ -155,28 +138,26 @@ def _views(
 
 @functools.cache
 def _poses() -> tuple[TargetPose, ...]:
-    """Return the first poses of the fixed plan for the default board."""
     return fixed_plan(Board(), IMG_SIZE)[:_VIEWS]
 
 
-def examples() -> dict[str, Any]:
-    """Return the answers by operation, None if there is no body."""
+def _examples() -> dict[str, Any]:
     answers: dict[str, Any] = {}
     values: dict[str, str] = {}
     with Server(environment={"NEW_TOKENS": "100"}, worker=1) as stack:
-        prepare(stack)
+        _prepare(stack)
         for call in calls():
             prepare_call(stack, call.name, values)
             path = fill_in(call.path + (f"?{urlencode(call.query)}" if call.query else ""), values)
-            body = send(stack, call.method, path, fill_in(call.credential or "", values) or None, call.body)
+            body = _send(stack, call.method, path, fill_in(call.credential or "", values) or None, call.body)
             answers[call.name] = json.loads(body) if body.startswith((b"{", b"[")) else None
             learn(values, call.name, answers[call.name])
     return answers
 
 
 def text() -> str:
-    """Return the file's content. Its tokens were those of a stack in memory, which is gone."""
-    return json.dumps(_shorten(examples()), indent=1, ensure_ascii=False) + "\n"
+    """Return the file's content. Its tokens were those of a server in memory, which is gone."""
+    return json.dumps(_shorten(_examples()), indent=1, ensure_ascii=False) + "\n"
 
 
 def _shorten(node: Any) -> Any:

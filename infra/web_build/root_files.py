@@ -1,7 +1,5 @@
 """Files at the root of the site that programs look for: robots.txt, config.json, the list of all files."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -10,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 from xml.sax.saxutils import escape
 
 from infra.web_build.site import LANGUAGES, WEB, Options, made_files
@@ -30,20 +28,14 @@ EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", 
 
 
 def robots_text(site: str) -> bytes:
-    """Write `robots.txt` of a site, whose address has no slash at its end.
-
-    Source: RFC 9309.
-    """
+    """Write `robots.txt` (RFC 9309) of a site, whose address has no slash at its end."""
     disallowed = "".join(f"Disallow: {path}\n" for path in _NOT_INDEXED)
     return f"User-agent: *\n{disallowed}\nSitemap: {site}/sitemap.xml\n".encode()
 
 
 def sitemap(site: str, files: Iterable[str]) -> bytes:
-    """Write `sitemap.xml` with every page among the files of a site.
-
-    Source: sitemaps.org, protocol 0.9.
-    """
-    folders = sorted({name.removesuffix("index.html") for name in files if is_page(name)})
+    """Write `sitemap.xml` (sitemaps.org, protocol 0.9) with every page among the files of a site."""
+    folders = sorted({name.removesuffix("index.html") for name in files if _is_page(name)})
     urls = "".join(
         f"  <url><loc>{escape(f'{site}/{folder}')}</loc></url>\n"
         for folder in folders
@@ -55,16 +47,12 @@ def sitemap(site: str, files: Iterable[str]) -> bytes:
     ).encode()
 
 
-def is_page(name: str) -> bool:
-    """True if a file of the site is a page."""
+def _is_page(name: str) -> bool:
     return (name == "index.html" or name.endswith("/index.html")) and not name.startswith("vendor")
 
 
 def security_text(contact: str, now: datetime, site: str | None = None) -> bytes:
-    """Write `security.txt`, which every deployment renews.
-
-    Source: RFC 9116, sections 2.5.3 and 2.5.5.
-    """
+    """Write `security.txt` (RFC 9116, sections 2.5.3 and 2.5.5), which every deployment renews."""
     expires = now + timedelta(days=_SECURITY_TEXT_DAYS)
     lines = [f"Contact: {contact}", f"Expires: {expires:%Y-%m-%dT%H:%M:%SZ}"]
     if site:
@@ -73,7 +61,7 @@ def security_text(contact: str, now: datetime, site: str | None = None) -> bytes
 
 
 def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]) -> bytes | None:
-    """Make a file of a site that is served from its sources; None if it has no such file at its root."""
+    """Make a file at the root of a site that is served from its sources; None if it has no such file."""
     contact = settings.get("operator", {}).get("contact", "")
     match key:
         case "config.json":
@@ -89,53 +77,43 @@ def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]
     return None
 
 
-def public_settings(api: str, token: str, parameters: Mapping[str, str] | None = None) -> dict[str, Any]:
-    """Content of `/config.json`, which a deployment writes; `parameters`: of the deployment."""
-    settings: dict[str, Any] = {"api": api, "token": token}
-    contact = operator(parameters or {})
+def public_settings(token: str, parameters: Mapping[str, str]) -> dict[str, Any]:
+    """Content of `/config.json`; `parameters`: of the deployment."""
+    settings: dict[str, Any] = {"api": "/v1", "token": token}
+    contact = _operator(parameters)
     return settings | ({"operator": contact} if contact else {})
 
 
-def operator(parameters: Mapping[str, str]) -> dict[str, str]:
-    """Name the operator of the service as far as the deployment does: `name`, `contact`, `imprint`."""
+def _operator(parameters: Mapping[str, str]) -> dict[str, str]:
     names = {"name": "OperatorName", "contact": "OperatorContact", "imprint": "Imprint"}
     return {key: parameters[name] for key, name in names.items() if parameters.get(name)}
 
 
 def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
-    """Return the addresses that every page's footer names: `contact`, `imprint`."""
-    contact = operator(parameters)
-    imprint = contact.get("imprint", "")
-    addresses = {"contact": contact.get("contact", "")}
-    addresses["imprint"] = (
-        imprint if imprint.startswith("https://") else "/privacy/#imprint" if contact else ""
-    )
+    """Return the addresses in every page's footer: `contact`, `imprint`."""
+    operator = _operator(parameters)
+    addresses = {"contact": operator.get("contact", ""), "imprint": operator.get("imprint", "")}
+    if operator and not addresses["imprint"].startswith("https://"):
+        addresses["imprint"] = "/privacy/#imprint"
     return {name: address for name, address in addresses.items() if address}
 
 
-class Shell(TypedDict):
-    """`version` changes with any content; `late` are kept when they are used."""
-
-    version: str
-    files: dict[str, str]
-    late: list[str]
-
-
-def shell(folder: Path = WEB, options: Options | None = None) -> Shell:
-    """Return the list of the pages' files: path → SHA-256, hexadecimal.
-
-    `options`: those that the pages are served with.
-    """
-    digests = {path.removeprefix(f"{folder}/"): _hash(path, *_state(path)) for path in _files(folder)}
+def shell(folder: Path = WEB, options: Options | None = None) -> dict[str, Any]:
+    """Return the list of the pages' files: path → SHA-256, hexadecimal."""
+    digests = {}
+    for path in _files(folder):
+        status = Path(path).stat()
+        digests[path.removeprefix(f"{folder}/")] = _hash(path, status.st_mtime_ns, status.st_size)
     served = made_files(folder, options)
     made = {key: hashlib.sha256(content).hexdigest() for key, content in served.items()}
     return shell_of(dict(sorted((digests | made).items())))
 
 
-def shell_of(digests: Mapping[str, str]) -> Shell:
-    """Return the list of those among files, by path with their SHA-256, that belong to pages.
+def shell_of(digests: Mapping[str, str]) -> dict[str, Any]:
+    """Select those among files, by path with their SHA-256, that belong to pages.
 
-    The folder `vendor/` may have the hash in its name that an upload gives it.
+    `version` changes with any content, `late` are kept when they are used. The folder `vendor/` may have the
+    hash in its name that an upload gives it.
     """
     files = {
         name: digest
@@ -143,22 +121,13 @@ def shell_of(digests: Mapping[str, str]) -> Shell:
         if Path(name).suffix in SUFFIXES and name not in EXCLUDED_FILES and not EXCLUDED.match(name)
     }
     version = hashlib.sha256(json.dumps(files).encode()).hexdigest()[:16]
-    return {
-        "version": version,
-        "files": files,
-        "late": [name for name in files if LAZY.match(name)],
-    }
+    return {"version": version, "files": files, "late": [name for name in files if LAZY.match(name)]}
 
 
 def _files(folder: Path) -> Iterator[str]:
     """Paths as texts: they are walked for every visitor."""
     for place, _, names in os.walk(folder):
         yield from (f"{place}/{name}" for name in names if name.endswith(SUFFIXES))
-
-
-def _state(path: str) -> tuple[int, int]:
-    status = Path(path).stat()
-    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=1024)

@@ -5,8 +5,6 @@ releases has also a digest of its content. `integrity.json` has the hashes of a 
 Integrity); `calibdb.tgz` is what `npm install <address>` takes.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import hashlib
@@ -31,19 +29,30 @@ VERSIONED = re.compile(r"sdk/\d+\.\d+\.\d+[^/]*/")
 _ARCHIVE = "calibdb.tgz"
 _API = '"../v1"'  # from the folder of the files to the service's API
 _TYPESCRIPT = (
-    "--ignoreConfig",
-    "--allowJs",
-    "--checkJs",
-    "--declaration",
-    "--emitDeclarationOnly",
-    "--strict",
+    *("--ignoreConfig", "--allowJs", "--checkJs", "--declaration", "--emitDeclarationOnly", "--strict"),
+    *("--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler", "--types", ""),
 )
-_TARGET = ("--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler", "--types", "")
 _MAX_BUILD_S = 120
 
 
-class SdkError(RuntimeError):
-    """The package cannot be made. The message says why."""
+class SiteError(RuntimeError):
+    """A file of the site cannot be made. The message says why."""
+
+
+def run_node(made: str, program: str, *arguments: str, text: str = "") -> subprocess.CompletedProcess[str]:
+    """Run `node` or `npx`; raises SiteError without Node.js. `made`: what needs it, with its verb."""
+    path = shutil.which(program)
+    if path is None:
+        raise SiteError(f"{made} made with Node.js, which is not there: install it, version 20 or newer")
+    return subprocess.run(
+        [path, *arguments],
+        cwd=ROOT,
+        input=text,
+        capture_output=True,
+        text=True,
+        timeout=_MAX_BUILD_S,
+        check=False,
+    )
 
 
 def sdk_files(web: Path) -> Mapping[str, bytes]:
@@ -53,19 +62,19 @@ def sdk_files(web: Path) -> Mapping[str, bytes]:
 
 
 def sdk_package(web: Path, version: str) -> bytes:
-    """Pack the SDK as npm installs it, under a version."""
+    """Pack the SDK as npm installs it."""
     return _package(_sources(web), version)
 
 
 def sdk_version(web: Path) -> str:
-    """Return the name of the version, 0.2.0 of a release and 0.2.0-dev.1f0c7a3e of anything else."""
+    """Name the version: 0.2.0 of a release, 0.2.0-dev.1f0c7a3e of anything else."""
     return _version(_sources(web))
 
 
 def import_map(web: Path, site: str) -> str:
     """Write an import map that pins every module of the version to its content."""
     sources = _sources(web)
-    hashes = integrity(sources)
+    hashes = _integrity(sources)
     at = f"{site}/{SDK_FOLDER}{_version(sources)}"
     names: dict[str, str] = {}
     for name, export in json.loads(sources["package.json"])["exports"].items():
@@ -78,7 +87,7 @@ def import_map(web: Path, site: str) -> str:
     return json.dumps({"imports": names, "integrity": pinned}, indent=2)
 
 
-def integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
+def _integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
     """Return the hash of each module as it lies in the version's folder."""
     modules = {name: _move_module(name, content) for name, content in sources.items() if name.endswith(".js")}
     return {name: sri(content) for name, content in sorted(modules.items())}
@@ -101,7 +110,7 @@ def _sources(web: Path) -> dict[str, bytes]:
 
 
 def digest(files: Mapping[str, bytes], start: bytes = b"") -> str:
-    """Digest that changes when a file does, or its name, or `start`."""
+    """Digest of the files' names and contents, and `start`."""
     whole = hashlib.sha256(start)
     for name, content in sorted(files.items()):
         whole.update(f"{name}\0{len(content)}\0".encode() + content)
@@ -119,7 +128,7 @@ def _move_module(name: str, content: bytes) -> bytes:
     if name != "request.js":
         return content
     if content.count(_API.encode()) != 1:
-        raise SdkError(f"request.js does not say {_API} once")
+        raise SiteError(f"request.js does not say {_API} once")
     return content.replace(_API.encode(), b'"../../v1"')
 
 
@@ -128,15 +137,14 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
     files = dict(sources)
     version = _version(files)
     at = f"{SDK_FOLDER}{version}/"
-    facts = json.dumps({"version": version, "files": integrity(files)}, indent=1).encode() + b"\n"
+    facts = json.dumps({"version": version, "files": _integrity(files)}, indent=1).encode() + b"\n"
     modules = {
         f"{at}{name}": _move_module(name, content) for name, content in files.items() if name.endswith(".js")
     }
     packed = _package(files, version)
-    newest = {
-        f"{SDK_FOLDER}{name}": content for name, content in (("integrity.json", facts), (_ARCHIVE, packed))
-    }
-    return modules | {f"{at}{_ARCHIVE}": packed, f"{at}integrity.json": facts} | newest
+    for folder in (at, SDK_FOLDER):
+        modules |= {f"{folder}{_ARCHIVE}": packed, f"{folder}integrity.json": facts}
+    return modules
 
 
 def _package(sources: Mapping[str, bytes], version: str) -> bytes:
@@ -167,26 +175,15 @@ def _package(sources: Mapping[str, bytes], version: str) -> bytes:
 
 
 def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Write the types of all modules."""
-    npx = shutil.which("npx")
-    if npx is None:
-        raise SdkError("types are made with Node.js, which is not there: install it, version 20 or newer")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for path, content in sources.items():
             (folder / path).parent.mkdir(exist_ok=True)
             (folder / path).write_bytes(content)
         modules = [str(folder / path) for path in sources if path.endswith(".js")]
-        command = [npx, "--no-install", "tsc", *modules, *_TYPESCRIPT, *_TARGET]
-        done = subprocess.run(  # noqa: S603
-            [*command, "--outDir", str(folder / "types"), "--rootDir", name],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            timeout=_MAX_BUILD_S,
-            check=False,
-        )
+        target = ("--outDir", str(folder / "types"), "--rootDir", name)
+        done = run_node("types are", "npx", "--no-install", "tsc", *modules, *_TYPESCRIPT, *target)
         if done.returncode:
-            raise SdkError(f"types of the SDK cannot be made.\n{done.stdout.strip()}{done.stderr.strip()}")
+            raise SiteError(f"types of the SDK cannot be made.\n{done.stdout.strip()}{done.stderr.strip()}")
         made = sorted((folder / "types").rglob("*.d.ts"))
         return {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}

@@ -22,8 +22,7 @@ const AS_WRITTEN = /^(vendor|examples)\//;
 
 /**
  * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay
- * relative, so that they are in the same language.
- * @param {Document} document @param {string} key of the page in English @param {Set<string>} inAllLanguages
+ * relative, so that they are in the same language. `key`: of the page in English.
  */
 function rewriteAddresses(document, key, inAllLanguages) {
   const relativePages = key.endsWith("index.html") && inAllLanguages.has(key);
@@ -39,10 +38,7 @@ function rewriteAddresses(document, key, inAllLanguages) {
   }
 }
 
-/**
- * Puts in what several pages share: `<div data-part="consent">` gives way to `parts/consent.html`.
- * @param {Document} document
- */
+/** Replaces `<div data-part="consent">` by `parts/consent.html`, which several pages share. */
 function insertParts(document) {
   for (const place of document.querySelectorAll("[data-part]")) {
     place.outerHTML = readFileSync(
@@ -52,15 +48,14 @@ function insertParts(document) {
   }
 }
 
-/** Keys of the modules a page begins with. @param {Document} document */
+/** Keys of the modules a page begins with. */
 const entriesOf = (document) =>
   [...document.querySelectorAll("script[type=module][src]")].map((script) =>
     (script.getAttribute("src") ?? "").replace(/^\//, ""),
   );
 
-/** @param {{web: string, pages: Record<string, string>, origin: string, contacts: Record<string, string>}} input */
 export async function buildPages({ web, pages, origin, contacts }) {
-  const languages = /** @type {(keyof typeof LANGUAGES)[]} */ (Object.keys(LANGUAGES));
+  const languages = Object.keys(LANGUAGES);
   const messages = Object.fromEntries(languages.map((language) => [language, readMessages(web, language)]));
   for (const language of languages) addMessages(language, messages[language]);
   const keys = new Set(Object.keys(pages));
@@ -77,45 +72,34 @@ export async function buildPages({ web, pages, origin, contacts }) {
       existsSync(`${web}/${path}`) ? readFileSync(`${web}/${path}`, "utf8") : "",
     ]),
   );
-  /** @type {Record<string, string>} */
   const made = {};
   for (const [key, source] of Object.entries(pages)) {
     const translated = inAllLanguages.has(key);
-    for (const language of translated ? languages : /** @type {const} */ (["en"])) {
+    for (const language of translated ? languages : ["en"]) {
       setLanguage(language);
       const { document } = parseHTML(source);
       insertParts(document);
       rewriteAddresses(document, key, inAllLanguages);
       const own = entriesOf(document);
-      const framed = document.querySelector("header.masthead") ? ["lib/header.js"] : [];
-      const preloads = [...new Set([...own, ...framed].flatMap((entry) => graph[entry]?.now ?? []))].map(
-        (path) => `/${path}`,
-      );
+      if (document.querySelector("header.masthead")) own.push("lib/header.js");
+      const preloaded = new Set(own.flatMap((entry) => graph[entry]?.now ?? []));
+      const preloads = [...preloaded].map((path) => `/${path}`);
       translate(document.documentElement);
       frame(document, { key, language, translated, pages: keys, inAllLanguages, origin, contacts, preloads });
       translate(document.documentElement);
-      const modules = new Set([...own, ...framed].flatMap((entry) => graph[entry]?.all ?? []));
+      const modules = new Set(own.flatMap((entry) => graph[entry]?.all ?? []));
       const sources = [document.toString(), ...[...modules].map((path) => texts[path])];
-      const shown = mentionedKeys(sources, Object.keys(messages[language])).map((name) => [
-        name,
-        messages[language][name],
-      ]);
-      if (modules.has("lib/i18n.js"))
-        document.body.insertAdjacentHTML("beforeend", messagesElement(Object.fromEntries(shown)));
-      made[
-        addressOf(key, language)
-          .slice(1)
-          .replace(/(^|\/)$/, "$1index.html")
-      ] = `${document.toString()}\n`;
+      const shown = mentionedKeys(sources, Object.keys(messages[language]));
+      const shownTexts = Object.fromEntries(shown.map((name) => [name, messages[language][name]]));
+      if (modules.has("lib/i18n.js")) document.body.insertAdjacentHTML("beforeend", messagesElement(shownTexts));
+      const address = addressOf(key, language).slice(1);
+      made[address.replace(/(^|\/)$/, "$1index.html")] = `${document.toString()}\n`;
     }
   }
   return made;
 }
 
-/**
- * Strips scripts and styles of what only people read. Names stay: a stack trace is as good as before.
- * @param {string} web folder of the client
- */
+/** Strips comments and indentation of scripts and styles. Names stay: a stack trace is as good as before. */
 export async function buildAssets(web) {
   const keys = readdirSync(web, { recursive: true })
     .map((name) => String(name).replaceAll("\\", "/"))

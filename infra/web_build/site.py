@@ -1,17 +1,14 @@
 """The static site as served and deployed: files made of their sources, the rest as it lies in `web/`.
 
-A page is an HTML file of `web/`, or of a generator (`_generators`). Texts of the message catalogs are only
-there, English ones also. `site.mjs` puts them in, and makes such pages in every language: `board/index.html`
-is also `de/board/index.html`. It gives all pages the same header, footer, skip link and preloads, and puts in
-the parts that several pages share (`parts/`). A page that is not there yet is left out of the navigation.
-Scripts and styles lose their comments and indentation.
+A page is an HTML file of `web/`, of the documentation or of the examples. `site.mjs` fills in the texts of
+the message catalogs, and makes such pages in every language: `board/index.html` is also
+`de/board/index.html`. It gives all pages the same header, footer, skip link and preloads, and fills in the
+parts that several pages share (`parts/`). Scripts and styles lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 
 The server rebuilds them when one of their sources changed.
 """
-
-from __future__ import annotations
 
 import hashlib
 import html
@@ -19,17 +16,17 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
 from infra.web_build.docs.catalog import ENTRIES
-from infra.web_build.sdk import sdk_files
+from infra.web_build.sdk import SiteError, run_node, sdk_files
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
@@ -41,32 +38,14 @@ _MAX_CACHED = 16
 # In the place of what a deployment says (`Options`)
 _ANY_ORIGIN = "https://origin.invalid"
 _ANY_CONTACTS = {name: f"https://{name}.invalid" for name in ("contact", "imprint")}
-_MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
-# Not pages, though HTML or full of files.
-_SKIPPED = ("vendor/",)
 _MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
 _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
-
-Generator = Callable[[Path], Mapping[str, str]]
-"""Makes page sources, by key ("docs/api/index.html"), and texts that they load, of a client's folder."""
-
-
-def _generators() -> tuple[Generator, ...]:
-    """Those of pages that are not written by hand. Loaded here, because built pages need none."""
-    from infra.web_build.docs import build
-    from infra.web_build.docs.example_pages import example_pages
-
-    return build.pages, example_pages
-
-
-class SiteError(RuntimeError):
-    """A file cannot be made. The message says why."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """Facts about a deployment that its pages tell.
+    """Facts about a deployment that its pages contain.
 
     `origin`: "https://calibdb.example"; without it, addresses for search engines are from the root.
     `contacts`: addresses under "contact" and "imprint" for the footer.
@@ -79,12 +58,7 @@ class Options:
 def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, bytes]:
     """Make all files that are made, or take those made of the same sources before: key → content.
 
-    A folder without message catalogues is not our client; nothing is built from it.
-
-    Raises
-    ------
-    SiteError
-        If a file cannot be made.
+    Nothing is made of a folder without message catalogs. Raises SiteError.
     """
     options = options or Options()
     if not (MADE_FILES.is_dir() or (web / "messages").is_dir()):
@@ -104,7 +78,11 @@ def build_for_wheel(folder: Path) -> None:
 def _completed(web: Path, state: str, contacts_text: str, origin: str) -> Mapping[str, bytes]:
     """Put the site's own address and contacts in: one build serves all, on any port."""
     contacts = json.loads(contacts_text)
-    files = dict(_make_files(web, state)) if state else _files_of_wheel()
+    if state:
+        files = dict(_make_files(web, state))
+    else:
+        paths = (path for path in MADE_FILES.rglob("*") if path.is_file())
+        files = {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
     for key in [key for key in files if key.endswith(".html")]:
         text = files[key].decode().replace(_ANY_ORIGIN, origin)
         for name, place in _ANY_CONTACTS.items():
@@ -116,19 +94,13 @@ def _completed(web: Path, state: str, contacts_text: str, origin: str) -> Mappin
     return files
 
 
-def _files_of_wheel() -> dict[str, bytes]:
-    paths = (path for path in MADE_FILES.rglob("*") if path.is_file())
-    return {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
-
-
 def _sources(web: Path, generated: Mapping[str, str]) -> dict[str, str]:
-    """Return the source of every page: key → HTML."""
     written = {
         path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted(web.rglob("*.html"))
     }
     pages = {key: text for key, text in generated.items() if key.endswith(".html")} | written
-    return {key: text for key, text in pages.items() if not key.startswith(_SKIPPED)}
+    return {key: text for key, text in pages.items() if not key.startswith("vendor/")}
 
 
 @lru_cache(maxsize=8)
@@ -144,64 +116,44 @@ def _make_files(web: Path, state: str) -> Mapping[str, bytes]:
 
 
 def _build(web: Path) -> dict[str, str]:
-    source = _repository()
+    # Here: built pages need none of them, and the models take their time.
+    from infra.web_build import openapi
+    from infra.web_build.docs import build
+    from infra.web_build.docs.example_pages import example_pages
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    source = project.get("urls", {}).get("Repository")
     contacts = _ANY_CONTACTS | ({"source": source} if source else {})
-    generated = {key: text for generate in _generators() for key, text in generate(web).items()}
+    generated = {**build.pages(web), **example_pages(web)}
     task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "contacts": contacts}
-    node = shutil.which("node")
-    if node is None:
-        raise SiteError("the site is made with Node.js, which is not there: install it, version 20 or newer")
-    made = subprocess.run(  # noqa: S603
-        [node, str(_PAGE_BUILDER)],
-        cwd=ROOT,
-        input=json.dumps(task),
-        capture_output=True,
-        text=True,
-        timeout=_MAX_BUILD_S,
-        check=False,
-    )
+    made = run_node("the site is", "node", str(_PAGE_BUILDER), text=json.dumps(task))
     if made.returncode:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    from infra.web_build import openapi  # here: the models take their time
-
     others = {key: text for key, text in generated.items() if not key.endswith(".html")}
     return others | files | openapi.files()
 
 
-def _repository() -> str | None:
-    """Address of the source code, where the project says one."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    named = {name.lower(): address for name, address in project.get("urls", {}).items()}
-    return named.get("repository") or named.get("source")
-
-
 def _keep(place: Path, made: Mapping[str, str]) -> None:
-    """Write what was made where other processes find it, whole or not at all; leave only the newest."""
+    """Write a file for other processes, whole or not at all; keep only the newest."""
     place.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
         json.dump(made, file)
     Path(file.name).replace(place)
-    cache_files = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
-    for old in cache_files[_MAX_CACHED:]:
-        old.unlink(missing_ok=True)
-
-
-def _age(path: Path) -> int:
-    try:
-        return path.stat().st_mtime_ns
-    except OSError:  # another process took it away
-        return 0
+    with suppress(FileNotFoundError):  # another process removes old ones too
+        oldest_first = sorted(place.parent.glob("*.json"), key=lambda path: path.stat().st_mtime_ns)
+        for old in oldest_first[:-_MAX_CACHED]:
+            old.unlink()
 
 
 def _state(web: Path) -> str:
-    """Name the sources' present state: any change of a file that pages are made of changes it."""
+    """Digest of the sources' paths, times and sizes."""
     whole = hashlib.sha256(str(web).encode())
     for path in _inputs(web):
         try:
             status = Path(path).stat()
-        except FileNotFoundError:  # not there, or taken away meanwhile
+        except FileNotFoundError:
             continue
         whole.update(f"{path}\0{status.st_mtime_ns}\0{status.st_size}\0".encode())
     return whole.hexdigest()

@@ -1,7 +1,5 @@
 """Headers and encoding of the site's files, at the edge and on a server."""
 
-from __future__ import annotations
-
 import gzip
 import mimetypes
 from pathlib import Path

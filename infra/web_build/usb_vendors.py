@@ -4,11 +4,8 @@ Debian's package `usb.ids` has the file as /var/lib/usbutils/usb.ids. Its licenc
 or the 3-clause BSD licence; the table is distributed under the latter.
 """
 
-from __future__ import annotations
-
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 TABLE = Path(__file__).parents[2] / "layers" / "service" / "calibdb" / "camera_key" / "usb_vendors.txt"
@@ -22,17 +19,11 @@ _HEAD = """\
 """
 
 
-def vendors(text: str) -> Iterator[tuple[str, str]]:
-    """Yield id and name of every vendor in a `usb.ids` file."""
-    for line in text.splitlines():
-        if match := _VENDOR_LINE.fullmatch(line.rstrip()):
-            yield match[1], match[2]
-
-
 def table(text: str) -> str:
     """Return the table for a `usb.ids` file; raises ValueError if that names no version or no vendor."""
     version = _VERSION_LINE.search(text)
-    lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(vendors(text))]
+    vendors = filter(None, (_VENDOR_LINE.fullmatch(line.rstrip()) for line in text.splitlines()))
+    lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(match.groups() for match in vendors)]
     if version is None or not lines:
         raise ValueError("not a usb.ids file: it has no version, or no vendors")
     return _HEAD.format(version=version[1]) + "".join(lines)

@@ -33,7 +33,6 @@ function plainSchema(node, named = false) {
   if (node === null || typeof node !== "object") return node;
   if (node.$ref) return { $ref: node.$ref.replace("#/components/schemas/", "#/definitions/") };
   const { prefixItems, title, default: _, ...rest } = node;
-  /** @param {object} map @returns {any} */
   const each = (map) => Object.fromEntries(Object.entries(map).map(([key, value]) => [key, plainSchema(value)]));
   const plain = each(rest);
   if (rest.properties) plain.properties = each(rest.properties); // its keys are names, "title" among them
@@ -114,7 +113,6 @@ function vendorWebXR() {
   copyFileSync(`${from}LICENSE`, `${vendor}webxr/LICENSE`);
 }
 
-/** @param {any} document OpenAPI: the formats in which it hands out a calibration */
 function vendorFormats({ paths }) {
   const { parameters } = paths["/v1/calibrations/{id}"].get;
   const { schema } = parameters.find((/** @type {{name: string}} */ { name }) => name === "format");
@@ -123,7 +121,7 @@ function vendorFormats({ paths }) {
   writeFileSync(`${vendor}formats.d.ts`, `${banner}export const FORMATS: string[];\n`);
 }
 
-/** Types of the API's bodies. @param {any} document OpenAPI */
+/** Types of the API's bodies. */
 async function vendorTypes({ components }) {
   const definitions = Object.fromEntries(
     Object.entries(components.schemas).map(([name, schema]) => [name, plainSchema(schema, true)]),

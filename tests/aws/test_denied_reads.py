@@ -7,11 +7,11 @@ once the cause is gone.
 
 import json
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import pytest
 
 from calibdb.errors import UnavailableError
+from calibdb.store import StreamMode
 from tests.aws.emulator import LocalStack
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
@@ -32,13 +32,13 @@ def in_lambda(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
 
 
-def known(stack: LocalStack, camera: str, count: int = 2) -> list[Any]:
-    """Calibrations of a camera, and the consensus that rests on them."""
-    documents = [calibration(camera, n) for n in range(count)]
+def known(stack: LocalStack, camera: str) -> StreamMode:
+    """Publish two calibrations of a camera and the consensus that rests on them; return its mode."""
+    documents = [calibration(camera, n) for n in range(2)]
     for document in documents:
         store(stack).calibrations.publish(document)
     store(stack).refit.now(asked(mode_of(documents[0]), "rectilinear"))
-    return documents
+    return mode_of(documents[0])
 
 
 def counted(capsys: pytest.CaptureFixture[str]) -> int:
@@ -54,13 +54,12 @@ def in_turn(reads: int) -> Iterator[Callable[[int], bool]]:
 
 
 def test_refit_of_denied_reads_stores_nothing(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
-    documents = known(stack, "Denied")
-    mode = mode_of(documents[0])
+    mode = known(stack, "Denied")
     store(stack).calibrations.publish(calibration("Denied", 2))
     before = store(stack).consensuses.at(mode)
     assert [c.total for c in before] == [2]
     counted(capsys)
-    denials = [(which, False) for which in in_turn(len(documents) + 1)] + [(lambda _: True, True)]
+    denials = [(which, False) for which in in_turn(3)] + [(lambda _: True, True)]
     for which, listing in denials:
         with faults.denied(which, listing=listing) as met, pytest.raises(UnavailableError):
             store(stack).refit.now(asked(mode, "rectilinear"))
@@ -74,8 +73,7 @@ def test_refit_of_denied_reads_stores_nothing(stack: LocalStack, capsys: pytest.
 
 def test_refit_of_a_lost_object_stores_nothing(stack: LocalStack) -> None:
     """The index names a calibration that the bucket does not hold: nobody knows what it said."""
-    documents = known(stack, "Lost")
-    mode = mode_of(documents[0])
+    mode = known(stack, "Lost")
     store(stack).calibrations.index(calibration("Lost", 2))
     before = store(stack).consensuses.at(mode)
     with pytest.raises(UnavailableError):
@@ -84,8 +82,7 @@ def test_refit_of_a_lost_object_stores_nothing(stack: LocalStack) -> None:
 
 
 def test_queued_refit_heals_by_itself(stack: LocalStack) -> None:
-    documents = known(stack, "Queued")
-    mode = mode_of(documents[0])
+    mode = known(stack, "Queued")
     store(stack).calibrations.publish(calibration("Queued", 2))
     before = store(stack).consensuses.at(mode)
     failed = len(stack.failures())
@@ -101,8 +98,7 @@ def test_queued_refit_heals_by_itself(stack: LocalStack) -> None:
 
 
 def test_lookup_that_needs_a_denied_read_is_unavailable(stack: LocalStack) -> None:
-    documents = known(stack, "Looked up")
-    mode = mode_of(documents[0])
+    mode = known(stack, "Looked up")
     before = store(stack).consensuses.at(mode)
 
     def look() -> Answer:
@@ -147,8 +143,7 @@ def test_export_of_a_denied_calibration_is_unavailable(
 
 
 def test_check_whose_reads_are_denied_is_unavailable(stack: LocalStack) -> None:
-    documents = known(stack, "Checked")
-    mode = mode_of(documents[0])
+    mode = known(stack, "Checked")
     client = Client(stack)
     client.authenticate()
     body = {**CAMERA, "camera": "Checked", "platform": PLATFORM, "views": VIEWS}

@@ -11,7 +11,6 @@ from tests.aws.emulator.events import Request, to_event
 from tests.aws.emulator.routes import Routes
 from tests.aws.emulator.template import load
 
-ROOT = Path(__file__).parents[2]
 GOLDEN = sorted((Path(__file__).parent / "events").glob("*.json"))
 NOW = 1_795_232_229.25
 REQUEST_ID = "3f2b1c8e-9a4d-4e57-8b66-0c1d2e3f4a5b"
@@ -27,8 +26,7 @@ def made(request: dict[str, Any]) -> dict[str, Any]:
         body=body,
         source_ip=request["source_ip"],
     )
-    template = load(ROOT / "template.yaml", {"SessionSecrets": "x" * 32, "ContributorSecret": "y" * 32})
-    match = Routes(template.routes).match(asked.method, asked.path)
+    match = Routes(load({}).routes).match(asked.method, asked.path)
     assert match is not None
     event = to_event(asked, match.key, match.parameters, REQUEST_ID, NOW)
     passed: dict[str, Any] = json.loads(json.dumps(event))

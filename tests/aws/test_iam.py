@@ -31,6 +31,8 @@ from tests.helpers.service.published import PLATFORM, asked, calibration, held, 
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.stores import with_methods
 
+TABLE = "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"
+BUCKET = "arn:aws:s3:::calibdb-keypointbucket"
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless
 UNASKED = {
@@ -56,9 +58,10 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
         for token_id in ("page", "other"):
             token = ApiToken(token_id, secret_hash("secret"), plan="page")
             store(stack).tokens.create(token)
-        for n in range(2):
-            store(stack).calibrations.publish(calibration("Well known", n))
-        mode = mode_of(calibration("Well known", 0))
+        known = [calibration("Well known", n) for n in range(3)]
+        mode = mode_of(known[0])
+        for document in known[:2]:
+            store(stack).calibrations.publish(document)
         with recorder.recording():
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
             use(stack)
@@ -78,10 +81,10 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
             stack.wait_until_idle(60)
             # The answers at the edge change, and go.
-            store(stack).calibrations.publish(calibration("Well known", 2))
+            store(stack).calibrations.publish(known[2])
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
-            for n in range(3):
-                store(stack).calibrations.withdraw(calibration("Well known", n), "wrong", 0)
+            for document in known:
+                store(stack).calibrations.withdraw(document, "wrong", 0)
             invoke("RefitFunction", asked(mode).model_dump(mode="json"))
         yield recorder.needed
 
@@ -271,8 +274,8 @@ def test_state_machine_role_grants_what_its_definition_needs() -> None:
     }
     assert unused == set()
     for other in (
-        Needed("s3:ListBucket", "arn:aws:s3:::calibdb-keypointbucket", prefix="sessions/"),
-        Needed("s3:GetObject", "arn:aws:s3:::calibdb-keypointbucket/calibrations/x"),
+        Needed("s3:ListBucket", BUCKET, prefix="sessions/"),
+        Needed("s3:GetObject", f"{BUCKET}/calibrations/x"),
         Needed(
             "lambda:InvokeFunction", "arn:aws:lambda:us-east-1:123456789012:function:calibdb-SubmitFunction"
         ),
@@ -284,14 +287,10 @@ def test_state_machine_role_grants_what_its_definition_needs() -> None:
 @pytest.mark.parametrize(
     "needed",
     [
-        Needed(
-            "dynamodb:PutItem",
-            "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table",
-            frozenset({"TOKEN#x"}),
-        ),
-        Needed("dynamodb:Scan", "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"),
-        Needed("s3:GetObject", "arn:aws:s3:::calibdb-keypointbucket/calibrations/x"),
-        Needed("s3:DeleteObject", "arn:aws:s3:::calibdb-keypointbucket/sessions/x"),
+        Needed("dynamodb:PutItem", TABLE, frozenset({"TOKEN#x"})),
+        Needed("dynamodb:Scan", TABLE),
+        Needed("s3:GetObject", f"{BUCKET}/calibrations/x"),
+        Needed("s3:DeleteObject", f"{BUCKET}/sessions/x"),
     ],
     ids=lambda needed: needed.action,
 )

@@ -100,14 +100,14 @@ def versions(client: Any, bucket: str) -> dict[str, int]:
 def test_purged_object_is_gone_from_the_replica_in_every_version(replicated: tuple[Any, Any]) -> None:
     here, there = replicated
     replicate(here)
-    objects = ReplicatedObjects(lambda: here, "keypoints", {HERE: here, THERE: there}.__getitem__)
+    objects = ReplicatedObjects("keypoints", HERE, {HERE: here, THERE: there}.__getitem__)
     assert objects.purge_all_versions(["calibrations/a/1.json"]) == 2
     assert versions(here, "keypoints") == versions(there, "replica") == {"calibrations/a/2.json": 1}
 
 
 def test_bucket_without_replica_is_purged_alone(replicated: tuple[Any, Any]) -> None:
     here, there = replicated
-    objects = ReplicatedObjects(lambda: here, "keypoints", {HERE: here}.__getitem__)
+    objects = ReplicatedObjects("keypoints", HERE, {HERE: here}.__getitem__)
     assert objects.replica is None
     assert objects.purge_all_versions(["calibrations/a/1.json"]) == 2
     assert versions(there, "replica")["calibrations/a/1.json"] == 2
@@ -123,7 +123,7 @@ def test_replica_that_cannot_be_reached_stops_the_purge(replicated: tuple[Any, A
         raise UnavailableError("Storage did not answer.")
 
     broken.meta.events.register("before-call.s3.*", fail)
-    objects = ReplicatedObjects(lambda: here, "keypoints", {HERE: here, THERE: broken}.__getitem__)
+    objects = ReplicatedObjects("keypoints", HERE, {HERE: here, THERE: broken}.__getitem__)
     with pytest.raises(UnavailableError):
         objects.purge_all_versions(["calibrations/a/1.json"])
     assert versions(here, "keypoints")["calibrations/a/1.json"] == 2

@@ -1,7 +1,5 @@
 """All pages under `/docs/`, and the texts that their search reads."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,7 +7,6 @@ from html import escape, unescape
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from infra.web_build import openapi
 from infra.web_build.docs import catalog, reference
 from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, ROOT, Entry, address
 from infra.web_build.docs.markdown import Document, Link, Section, render
@@ -40,35 +37,24 @@ def pages(web: Path) -> Mapping[str, str]:
     """
     if not (web / FOLDER / "docs.js").is_file():
         return {}
-    rendered = list(documents())
+    rendered = list(_documents())
     made = {entry.key: _page(entry, document) for entry, document in rendered}
     loaded = {SEARCH_KEY: search_texts(web, rendered)} | {
         path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted((ROOT / "docs" / "images").glob("*.svg"))
     }
-    return made | dict(reference.pages(openapi.document())) | {OVERVIEW: _home()} | loaded
+    return made | dict(reference.pages()) | {OVERVIEW: _home()} | loaded
 
 
-def documents() -> Iterator[tuple[Entry, Document]]:
-    """Yield the documents that are written in Markdown, rendered."""
+def _documents() -> Iterator[tuple[Entry, Document]]:
     for entry in ENTRIES:
         if entry.source:
             text = (ROOT / entry.source).read_text(encoding="utf-8")
-            yield entry, render(_with_import_map(text), link_from(entry))
+            text = _IMPORT_MAP.sub(lambda match: match[1] + import_map(ROOT / "web", SITE) + match[2], text)
+            yield entry, render(text, _link_from(entry))
 
 
-def _with_import_map(text: str) -> str:
-    """Put the present version's import map in the place of the example of one."""
-
-    def pinned(match: re.Match[str]) -> str:
-        return match[1] + import_map(ROOT / "web", SITE) + match[2]
-
-    return _IMPORT_MAP.sub(pinned, text)
-
-
-def link_from(entry: Entry) -> Link:
-    """Return the function that gives addresses of links on the page of a document."""
-
+def _link_from(entry: Entry) -> Link:
     def link(target: str) -> str | None:
         if urlsplit(target).scheme:  # outside the repository
             return target
@@ -83,13 +69,13 @@ def link_from(entry: Entry) -> Link:
 
 
 def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
-    """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
+    """Return the sections of all documents as JSON: `[[address, page, title, text], …]`."""
     rows = []
     for entry, document in rendered:
         if entry.slug in NOT_SEARCHED:
             continue
         rows += [_row(entry.slug, document.title, section) for section in document.sections]
-    for folder, section in reference.sections(openapi.document()):
+    for folder, section in reference.sections():
         rows += [_row(f"reference/{folder}", "API reference", section)]
     problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
     for kind, status, text in _PROBLEM.findall(problems):

@@ -1,7 +1,5 @@
 """Documents that the site shows under `/docs/`, and where each lies."""
 
-from __future__ import annotations
-
 import posixpath
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,23 +13,20 @@ FOLDER = "docs/"
 class Entry:
     """One document.
 
-    Attributes
-    ----------
-    source
-        Its path in the repository; None: a page that is made otherwise.
-    slug
-        Its folder under `/docs/`.
-    name, summary
-        In the navigation, and on the page of all documents.
-    uses_service
-        True if its code is for this service: the page fills in the site's address and the visitor's token.
+    `slug`: folder under `/docs/`. `uses_service`: the page fills the site's address and the visitor's token
+    into its code. `path`: in the repository, None if the page is made otherwise.
     """
 
-    source: str | None
     slug: str
     name: str
     summary: str
     uses_service: bool = False
+    path: str | None = "docs/{slug}.md"
+
+    @property
+    def source(self) -> str | None:
+        """Path in the repository."""
+        return self.path and self.path.format(slug=self.slug)
 
     @property
     def key(self) -> str:
@@ -42,93 +37,76 @@ class Entry:
 GROUPS: dict[str, tuple[Entry, ...]] = {
     "start": (
         Entry(
-            "docs/quickstart.md",
             "quickstart",
             "Quickstart",
             "A running page, in five minutes: token, lookup, and the way to the calibration and back.",
             uses_service=True,
         ),
         Entry(
-            "web/sdk/README.md",
             "sdk",
             "JavaScript SDK",
             "Lookups, projection matrices, straightened video, adapters for engines.",
             uses_service=True,
+            path="web/sdk/README.md",
         ),
         Entry(
-            "docs/two-cameras.md",
             "two-cameras",
             "Two cameras",
             "A stereo pair from its capture to depth in metres, in a page and in other tools.",
             uses_service=True,
         ),
         Entry(
-            "docs/python.md",
             "python",
             "Python client",
             "Lookups, rectified pictures and other tools’ files in a program or on a robot.",
             uses_service=True,
         ),
-        Entry("docs/frc.md", "frc", "FRC teams", "Results in PhotonVision and WPIcal, and held-out errors."),
+        Entry("frc", "FRC teams", "Results in PhotonVision and WPIcal, and held-out errors."),
         Entry(
-            "docs/api.md", "api", "HTTP API", "All calls explained: tokens, lookups, captures, checks.", True
+            "api", "HTTP API", "All calls explained: tokens, lookups, captures, checks.", uses_service=True
         ),
-        Entry(None, "reference", "API reference", "Every call and field, with code to copy and to try."),
-        Entry(None, "problems", "Problems", "Every error of the API, and what to do."),
-        Entry("docs/limits.md", "limits", "Limits", "Calls an hour by plan, sizes, times.", True),
+        Entry("reference", "API reference", "Every call and field, with code to copy and to try.", path=None),
+        Entry("problems", "Problems", "Every error of the API, and what to do.", path=None),
+        Entry("limits", "Limits", "Calls an hour by plan, sizes, times.", uses_service=True),
     ),
     "understand": (
-        Entry("docs/concepts.md", "concepts", "Concepts", "Camera key, view, session, consensus, reliable."),
+        Entry("concepts", "Concepts", "Camera key, view, session, consensus, reliable."),
+        Entry("conventions", "Conventions", "Pixels, frames, distortion models, symbols, terms."),
+        Entry("formats", "Formats", "Files of other tools: export and import."),
+        Entry("camera-keys", "Camera keys", "Which label finds which camera."),
+        Entry("estimates", "Estimates", "Likely field of view of a camera without calibration."),
+        Entry("accuracy", "Accuracy and speed", "Every figure, with its command."),
+        Entry("webxr", "WebXR", "Intrinsics and distortion for WebXR views."),
         Entry(
-            "docs/conventions.md",
-            "conventions",
-            "Conventions",
-            "Pixels, frames, distortion models, symbols, terms.",
-        ),
-        Entry("docs/formats.md", "formats", "Formats", "Files of other tools: export and import."),
-        Entry("docs/camera-keys.md", "camera-keys", "Camera keys", "Which label finds which camera."),
-        Entry(
-            "docs/estimates.md",
-            "estimates",
-            "Estimates",
-            "Likely field of view of a camera without calibration.",
-        ),
-        Entry("docs/accuracy.md", "accuracy", "Accuracy and speed", "Every figure, with its command."),
-        Entry("docs/webxr.md", "webxr", "WebXR", "Intrinsics and distortion for WebXR views."),
-        Entry(
-            "layers/solver/README.md",
-            "solver",
-            "Solver",
-            "Calibration in Python, without a service.",
+            "solver", "Solver", "Calibration in Python, without a service.", path="layers/solver/README.md"
         ),
         Entry(
-            "clients/python/README.md", "python-package", "Python package", "The client on one page.", True
+            "python-package",
+            "Python package",
+            "The client on one page.",
+            uses_service=True,
+            path="clients/python/README.md",
         ),
     ),
     "project": (
+        Entry("security", "Security", "What is protected, against whom, and what is not."),
+        Entry("vulnerabilities", "Vulnerabilities", "How to report one.", path="SECURITY.md"),
         Entry(
-            "docs/security.md", "security", "Security", "What is protected, against whom, and what is not."
-        ),
-        Entry("SECURITY.md", "vulnerabilities", "Vulnerabilities", "How to report one."),
-        Entry(
-            "docs/self-hosting.md",
             "self-hosting",
             "Self-hosting",
             "The service in one process over one SQLite file: systemd, TLS, backup, upgrade.",
         ),
-        Entry(
-            "docs/operations.md", "operations", "Operations", "Deploying, watching, restoring the service."
-        ),
-        Entry("docs/architecture.md", "architecture", "Architecture", "Parts, data at rest, flows."),
-        Entry("CONTRIBUTING.md", "contributing", "Contributing", "Commands, rules, names."),
-        Entry("CHANGELOG.md", "changelog", "Changelog", "What changed in which version."),
+        Entry("operations", "Operations", "Deploying, watching, restoring the service."),
+        Entry("architecture", "Architecture", "Parts, data at rest, flows."),
+        Entry("contributing", "Contributing", "Commands, rules, names.", path="CONTRIBUTING.md"),
+        Entry("changelog", "Changelog", "What changed in which version.", path="CHANGELOG.md"),
     ),
 }
 """Documents by group, in the order of the navigation."""
 
 FOR_CONTRIBUTORS = (
-    Entry("docs/development.md", "development", "Development", "Tests, rules, and how to extend calibDB."),
-    Entry("docs/decisions.md", "decisions", "Decisions", "What was decided, and why."),
+    Entry("development", "Development", "Tests, rules, and how to extend calibDB."),
+    Entry("decisions", "Decisions", "What was decided, and why."),
 )
 """Documents that the navigation omits; the page *Contributing* links to them."""
 
@@ -144,19 +122,9 @@ def address(from_key: str, to_key: str) -> str:
 
 
 def target_key(source: str, target: str) -> tuple[str, str] | None:
-    """Find what a link of a document leads to on the site.
+    """Find the target on the site of a link in the document `source`, a path relative to that.
 
-    Parameters
-    ----------
-    source
-        Path of the document in the repository.
-    target
-        The link as it is written there: a path relative to the document.
-
-    Returns
-    -------
-    tuple[str, str] or None
-        Key of a file of the site, and anchor; None if the site does not have it.
+    Returns the key of a file, and the anchor; None if the site does not have it.
     """
     parts = urlsplit(target)
     path = posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path)) if parts.path else source

@@ -1,7 +1,5 @@
 """Pages under `/examples/`: one an engine, with its whole source, and one of all."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,32 +16,26 @@ _SHARED = ("picture.js", "board.js")
 class Example:
     """One example.
 
-    Attributes
-    ----------
-    folder, name, heading, does
-        Folder, which the heading's text is named after; engine; heading; key of the line in the gallery.
-    has_virtual
-        True if the virtual camera can stand in.
-    lines, style
-        The lines that matter, and a style sheet that the engine needs.
-    demo
-        Content of the page; default: a camera's image with a scene over it.
-    sources
-        Scripts that the page shows, below the folder of examples.
-    lead
-        Key of the text below the heading.
+    `name`: the engine. `has_virtual`: the virtual camera can stand in. `lines`: the code that matters.
+    `style`: style sheet of the engine. `demo`: content of the page, by default a camera's image with a scene
+    over it. `sources`: scripts that the page shows, below the folder of examples. `lead`: key of the text
+    below the heading.
     """
 
     folder: str
     name: str
-    heading: str
-    does: str
     has_virtual: bool
     lines: str
+    heading: str = "{name} over a calibrated camera"
     style: str = ""
     demo: str = ""
     sources: tuple[str, ...] = _SHARED
     lead: str = "examples.lead"
+
+    @property
+    def title(self) -> str:
+        """The heading."""
+        return self.heading.format(name=self.name)
 
     @property
     def message(self) -> str:
@@ -74,8 +66,6 @@ ENGINES = (
     Example(
         "three",
         "three.js",
-        "three.js over a calibrated camera",
-        "examples.three_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -87,8 +77,6 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
     Example(
         "babylon",
         "Babylon.js",
-        "Babylon.js over a calibrated camera",
-        "examples.babylon_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -100,8 +88,6 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
     Example(
         "aframe",
         "A-Frame",
-        "A-Frame over a calibrated camera",
-        "examples.aframe_does",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -114,9 +100,8 @@ registerCalibrated(AFRAME);
     Example(
         "arjs",
         "AR.js",
-        "AR.js with your own camera_para.dat",
-        "examples.arjs_does",
         has_virtual=False,
+        heading="AR.js with your own camera_para.dat",
         lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
 import { cameraParameters } from "calibdb/adapters/artoolkit";
@@ -134,9 +119,8 @@ context.init(() => applyCalibration(camera, calibration, { viewport }));
     Example(
         "stereo",
         "Stereo",
-        "Depth from a rectified pair",
-        "examples.stereo_does",
         has_virtual=True,
+        heading="Depth from a rectified pair",
         lines="""import { rectifyPair, rig } from "calibdb";
 
 const stereo = await rig(id, { token });           // of the page /rig/?id=…
@@ -181,7 +165,7 @@ def _page(web: Path, example: Example) -> str:
         f'<link rel="stylesheet" href="../../docs/docs.css">{style}\n'
         '  <script type="module" src="./main.js"></script>',
         f"""      <div class="opening">
-        <h1 data-t="{example.message}">{example.heading}</h1>
+        <h1 data-t="{example.message}">{example.title}</h1>
         <p data-t="{example.lead}"></p>
       </div>
       <div class="example">
@@ -203,7 +187,6 @@ def _page(web: Path, example: Example) -> str:
 
 
 def _camera_demo(example: Example) -> str:
-    """Write a camera's picture with a scene over it."""
     virtually = (
         '\n          <a class="button" id="virtually" href="?virtual=1" '
         'data-t="examples.virtual">Try the simulated camera</a>'
@@ -228,9 +211,9 @@ def _index() -> str:
     cards = [_card("../ar", '<strong data-t="examples.ar"></strong>', "examples.ar_does")]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
-        heading = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
+        heading = f'<strong data-t="{one.message}">{escape(one.title)}</strong>'
         words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
-        cards.append(_card(one.folder, words, one.does))
+        cards.append(_card(one.folder, words, f"{one.message}_does"))
     return _document(
         "Examples",
         "examples.index_lead",

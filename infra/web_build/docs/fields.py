@@ -1,15 +1,14 @@
 """Fields of JSON schemas as rows of a table."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from infra.web_build import openapi
 from infra.web_build.docs.markdown import inline
+from infra.web_build.operation import Node
 
-Node = dict[str, Any]
 _SCHEMA_PREFIX = "#/components/schemas/"
 _MAX_MEMBER_DEPTH = 3  # of members within members
 _NAMES = {"string": "text", "integer": "whole number", "number": "number", "boolean": "true or false"}
@@ -23,7 +22,7 @@ _MAX_WITHOUT_COMMAS = 9999
 
 @dataclass(frozen=True)
 class Row:
-    """One field: its path from the body's root, what it may be, and its meaning."""
+    """One field: its path from the body's root, its values, and its meaning."""
 
     name: str
     kind: str
@@ -31,26 +30,16 @@ class Row:
     text: str
 
 
-def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int = 0) -> Iterator[Row]:
-    """Yield the fields of an object, each followed by its members.
-
-    Parameters
-    ----------
-    schema
-        JSON schema of the object, or a reference.
-    schemas
-        Schemas by the names in references.
-    prefix, depth
-        Path of the object, and how deep it lies.
-    """
-    whole = resolve(schema, schemas)
+def rows(schema: Node, prefix: str = "", depth: int = 0) -> Iterator[Row]:
+    """Yield the fields of an object, each followed by its members."""
+    whole = _resolve(schema)
     needed = set(whole.get("required", ()))
     for name, node in whole.get("properties", {}).items():
-        text = node.get("description") or resolve(node, schemas).get("description", "")
-        yield Row(f"{prefix}{name}", kind(node, schemas), name in needed, text)
-        inner, mark = _object(node, schemas)
+        text = node.get("description") or _resolve(node).get("description", "")
+        yield Row(f"{prefix}{name}", kind(node), name in needed, text)
+        inner, mark = _object(node)
         if inner is not None and depth < _MAX_MEMBER_DEPTH:
-            yield from rows(inner, schemas, f"{prefix}{name}{mark}.", depth + 1)
+            yield from rows(inner, f"{prefix}{name}{mark}.", depth + 1)
 
 
 def table(rows: list[Row], *, with_required: bool) -> str:
@@ -68,12 +57,12 @@ def table(rows: list[Row], *, with_required: bool) -> str:
     )
 
 
-def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
+def _resolve(node: Node) -> Node:
     """Follow a reference, and the one choice of several that is not null."""
     while True:
         reference = node.get("$ref", "")
         if reference.startswith(_SCHEMA_PREFIX):
-            node = schemas[reference.removeprefix(_SCHEMA_PREFIX)]
+            node = openapi.document()["components"]["schemas"][reference.removeprefix(_SCHEMA_PREFIX)]
             continue
         choices = [choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"]
         if len(choices) != 1:
@@ -81,22 +70,22 @@ def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:
         node = choices[0]
 
 
-def _object(node: Node, schemas: Mapping[str, Node]) -> tuple[Node | None, str]:
+def _object(node: Node) -> tuple[Node | None, str]:
     """Find the object that a field is, or that its items are, and the mark of its path."""
-    whole = resolve(node, schemas)
+    whole = _resolve(node)
     if "properties" in whole:
         return whole, ""
-    items = resolve(whole.get("items") or {}, schemas)
+    items = _resolve(whole.get("items") or {})
     return (items, "[]") if "properties" in items else (None, "")
 
 
-def kind(node: Node, schemas: Mapping[str, Node]) -> str:
+def kind(node: Node) -> str:
     """Describe the values of a field."""
     null = any(choice.get("type") == "null" for choice in node.get("anyOf", ()))
     default = node.get("default")
-    whole = resolve(node, schemas)
+    whole = _resolve(node)
     choices = [choice for choice in whole.get("anyOf", ()) if choice.get("type") != "null"]
-    said = " or ".join(dict.fromkeys(kind(choice, schemas) for choice in choices)) or _single(whole, schemas)
+    said = " or ".join(dict.fromkeys(kind(choice) for choice in choices)) or _single(whole)
     if null:
         said += ", or null"
     if default is not None and not isinstance(default, dict | list):
@@ -104,13 +93,13 @@ def kind(node: Node, schemas: Mapping[str, Node]) -> str:
     return said
 
 
-def _single(node: Node, schemas: Mapping[str, Node]) -> str:
+def _single(node: Node) -> str:
     if "const" in node:
         return _format_value(node["const"])
     if "enum" in node:
         return "one of " + ", ".join(_format_value(value) for value in node["enum"])
     if node.get("type") == "array":
-        return _list(node, schemas)
+        return _list(node)
     if node.get("type") == "object" or "properties" in node:
         return "object"
     bounds = [words.format(_range(node[low], node.get(high))) for low, high, words in _BOUNDS if low in node]
@@ -131,11 +120,11 @@ def _number(value: float) -> str:
     return f"{whole:,}" if abs(whole) > _MAX_WITHOUT_COMMAS else str(whole)
 
 
-def _list(node: Node, schemas: Mapping[str, Node]) -> str:
+def _list(node: Node) -> str:
     fixed = node.get("prefixItems")
     if fixed:
-        return f"list of {len(fixed)}: {kind(fixed[0], schemas)}"
-    items = kind(node.get("items") or {}, schemas)
+        return f"list of {len(fixed)}: {kind(fixed[0])}"
+    items = kind(node.get("items") or {})
     least, most = node.get("minItems"), node.get("maxItems")
     if least and least == most:
         return f"list of {least}: {items}"

@@ -4,8 +4,6 @@ The parser is markdown-it-py (CommonMark with tables), the highlighter Pygments.
 attribute, which the policy of the pages forbids.
 """
 
-from __future__ import annotations
-
 import html
 import re
 from collections.abc import Callable, Sequence
@@ -23,14 +21,7 @@ from pygments.lexers import get_lexer_by_name
 Link = Callable[[str], str | None]
 """Address of a link's target on the site; None if the site has no such page."""
 
-LEXERS = {
-    "sh": "bash",
-    "js": "javascript",
-    "html": "html",
-    "python": "python",
-    "json": "json",
-    "webidl": "webidl",
-}
+_LANGUAGES = ("sh", "js", "html", "python", "json", "webidl")
 
 
 # Spans that no rule colours: blanks, names, operators, punctuation
@@ -79,8 +70,7 @@ def render(source: str, link: Link) -> Document:
     return Document(title, body, tuple(each for each in headings if each.level > 1), tuple(sections))
 
 
-def slug(text: str, taken: set[str]) -> str:
-    """Make the anchor of a heading as GitHub does, and take it."""
+def _slug(text: str, taken: set[str]) -> str:
     base = re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
     anchor, count = base, 0
     while anchor in taken:
@@ -92,9 +82,9 @@ def slug(text: str, taken: set[str]) -> str:
 
 def code(text: str, language: str) -> str:
     """Colour code by the classes of Pygments; plain where the language is not known."""
-    if language not in LEXERS:
+    if language not in _LANGUAGES:
         return html.escape(text, quote=False)
-    lexer = get_lexer_by_name(LEXERS[language], stripnl=False)
+    lexer = get_lexer_by_name(language, stripnl=False)
     coloured = str(highlight(text, lexer, HtmlFormatter(nowrap=True))).rstrip("\n")
     return _PLAIN_SPAN.sub(r"\1", coloured)
 
@@ -119,7 +109,7 @@ def _outline(tokens: Sequence[Token]) -> tuple[list[Heading], list[Section]]:
     for index, token in enumerate(tokens):
         if token.type == "inline" and tokens[index - 1].type == "heading_open":
             text = _plain(token)
-            heading = Heading(int(tokens[index - 1].tag[1]), text, slug(text, taken))
+            heading = Heading(int(tokens[index - 1].tag[1]), text, _slug(text, taken))
             headings.append(heading)
             tokens[index - 1].attrSet("id", heading.anchor)
             sections.append(Section(text, "" if heading.level == 1 else heading.anchor))
@@ -130,9 +120,9 @@ def _outline(tokens: Sequence[Token]) -> tuple[list[Heading], list[Section]]:
 
 def _plain(token: Token) -> str:
     """Return the text of inline content without its marks."""
-    shown = {"text", "code_inline"}
+    texts = {"softbreak": " ", "hardbreak": " "}
     parts = [
-        " " if child.type in {"softbreak", "hardbreak"} else child.content if child.type in shown else ""
+        child.content if child.type in {"text", "code_inline"} else texts.get(child.type, "")
         for child in token.children or ()
     ]
     return "".join(parts).strip()

@@ -3,8 +3,6 @@
 The frame speaks the visitor's language (`web/messages/en/docs.json`), the documents are in English.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 
@@ -28,20 +26,8 @@ def page(
 ) -> str:
     """Make a page.
 
-    Parameters
-    ----------
-    key
-        Its path in the site.
-    title, description
-        Title and description of the document.
-    body
-        HTML of the document, without its title.
-    headings
-        Headings of the document, for its contents.
-    scripts
-        Keys of modules besides `docs/docs.js`.
-    uses_service
-        True if its code is for this service.
+    `body`: HTML without the title. `headings`: for the contents. `scripts`: keys of modules besides
+    `docs/docs.js`. `uses_service`: as in `Entry`.
     """
 
     def at(name: str) -> str:

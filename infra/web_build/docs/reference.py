@@ -1,16 +1,16 @@
 """Pages of the API reference, made of the OpenAPI document: a page a group of calls, and one of all."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from html import escape
 
+from infra.web_build import openapi
 from infra.web_build.docs.catalog import FOLDER, address
-from infra.web_build.docs.fields import Node, Row, kind, rows, table
+from infra.web_build.docs.fields import Row, kind, rows, table
 from infra.web_build.docs.markdown import Heading, Section, code_block, inline
 from infra.web_build.docs.page import page
 from infra.web_build.docs.samples import SAMPLE_LANGUAGES, SAMPLE_NAMES, fill, format_json, samples
 from infra.web_build.example_calls import Call, calls
+from infra.web_build.operation import Node
 
 REFERENCE = f"{FOLDER}reference/index.html"
 SCRIPT = f"{FOLDER}reference.js"
@@ -30,27 +30,27 @@ _INTRODUCTION = (
 )
 
 
-def pages(openapi: Node) -> Mapping[str, str]:
+def pages() -> Mapping[str, str]:
     """Make all pages, by key."""
     examples = {call.name: call for call in calls()}
-    made = {REFERENCE: _home(openapi)}
-    for tag in openapi["tags"]:
-        made[_key(tag["name"])] = _group(openapi, tag, examples)
+    made = {REFERENCE: _home()}
+    for tag in openapi.document()["tags"]:
+        made[_key(tag["name"])] = _group(tag, examples)
     return made
 
 
-def sections(openapi: Node) -> Iterator[tuple[str, Section]]:
+def sections() -> Iterator[tuple[str, Section]]:
     """Yield the folder and the texts of each operation, for the search."""
-    for tag in openapi["tags"]:
-        for path, method, operation in _operations(openapi, tag["name"]):
-            fields = _body(operation, openapi)
+    for tag in openapi.document()["tags"]:
+        for path, method, operation in _operations(tag["name"]):
+            fields = _body(operation)
             words = [operation["description"], *(f"{row.name} {row.text}" for row in fields)]
             title = f"{method.upper()} {path}: {operation['summary']}"
             yield f"{_slug(tag['name'])}/", Section(title, operation["operationId"], words)
 
 
-def _operations(openapi: Node, tag: str) -> Iterator[tuple[str, str, Node]]:
-    for path, methods in openapi["paths"].items():
+def _operations(tag: str) -> Iterator[tuple[str, str, Node]]:
+    for path, methods in openapi.document()["paths"].items():
         for method, operation in methods.items():
             if operation["tags"] == [tag]:
                 yield path, method, operation
@@ -64,17 +64,17 @@ def _key(tag: str) -> str:
     return f"{FOLDER}reference/{_slug(tag)}/index.html"
 
 
-def _home(openapi: Node) -> str:
+def _home() -> str:
     parts = [
         f"<p>{_INTRODUCTION}</p>\n"
         '<p>Machine-readable: <a href="../../openapi.json">openapi.json</a> (OpenAPI 3.1). '
         'In words: <a href="../api/">The HTTP API</a>.</p>'
     ]
-    for tag in openapi["tags"]:
+    for tag in openapi.document()["tags"]:
         items = "".join(
             f'<li><a href="{address(REFERENCE, _key(tag["name"]))}#{operation["operationId"]}">'
             f"<code>{_signature(method, path)}</code></a><span>{escape(operation['summary'])}</span></li>"
-            for path, method, operation in _operations(openapi, tag["name"])
+            for path, method, operation in _operations(tag["name"])
         )
         parts.append(
             f'<h2 id="{_slug(tag["name"])}">{tag["name"]}</h2>\n<p>{escape(tag["description"])}</p>\n'
@@ -83,12 +83,12 @@ def _home(openapi: Node) -> str:
     return page(REFERENCE, "API reference", "Every call of the calibDB API.", "\n".join(parts))
 
 
-def _group(openapi: Node, tag: Node, examples: Mapping[str, Call]) -> str:
-    operations = list(_operations(openapi, tag["name"]))
+def _group(tag: Node, examples: Mapping[str, Call]) -> str:
+    operations = list(_operations(tag["name"]))
     shown: dict[str, str] = {}
     body = [
         f'<p>{escape(tag["description"])} <a href="../">All groups</a></p>',
-        *(_operation(path, method, node, openapi, examples, shown) for path, method, node in operations),
+        *(_operation(path, method, node, examples, shown) for path, method, node in operations),
     ]
     headings = [
         Heading(2, f"{method.upper()} {path}", node["operationId"]) for path, method, node in operations
@@ -99,25 +99,24 @@ def _group(openapi: Node, tag: Node, examples: Mapping[str, Call]) -> str:
 
 
 def _operation(
-    path: str, method: str, node: Node, openapi: Node, examples: Mapping[str, Call], shown: dict[str, str]
+    path: str, method: str, node: Node, examples: Mapping[str, Call], shown: dict[str, str]
 ) -> str:
     """Make the section of one call; `shown`: call by answer, of those that the page has had so far."""
     name = node["operationId"]
     call = examples[name]
-    schemas = openapi["components"]["schemas"]
     parts = [
         f'<section class="operation" aria-labelledby="{name}">',
         f'<h2 id="{name}"><code>{_signature(method, path)}</code></h2>',
         f'<p class="lead">{escape(node["summary"])}</p><p>{inline(node["description"])}</p>',
         f'<p class="muted">Credential: {_credential(node)}</p>',
     ]
-    parameters = _parameters(node, schemas)
+    parameters = _parameters(node)
     if parameters:
         parts.append("<h3>Parameters</h3>" + table(parameters, with_required=True))
-    if body := _body(node, openapi):
+    if body := _body(node):
         parts.append("<h3>Body</h3>" + table(body, with_required=True))
     parts.append(_samples(name, call))
-    parts.append(_answer(node, schemas, shown))
+    parts.append(_answer(node, shown))
     parts.append(_trial(name, call, node))
     parts.append("</section>")
     return "\n".join(parts)
@@ -133,17 +132,17 @@ def _credential(node: Node) -> str:
     return " or ".join(names) or "none"
 
 
-def _parameters(node: Node, schemas: Mapping[str, Node]) -> list[Row]:
+def _parameters(node: Node) -> list[Row]:
     return [
-        Row(each["name"], kind(each["schema"], schemas), each.get("required", False), each["description"])
+        Row(each["name"], kind(each["schema"]), each.get("required", False), each["description"])
         for each in node.get("parameters", ())
         if not each.get("deprecated")
     ]
 
 
-def _body(node: Node, openapi: Node) -> list[Row]:
+def _body(node: Node) -> list[Row]:
     schema = node.get("requestBody", {}).get("content", {}).get(_JSON, {}).get("schema")
-    return list(rows(schema, openapi["components"]["schemas"])) if schema else []
+    return list(rows(schema)) if schema else []
 
 
 def _samples(name: str, call: Call) -> str:
@@ -161,7 +160,7 @@ def _samples(name: str, call: Call) -> str:
     )
 
 
-def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> str:
+def _answer(node: Node, shown: dict[str, str]) -> str:
     parts = ["<h3>Responses</h3>", '<dl class="answers">']
     for status, answer in node["responses"].items():
         parts.append(f"<dt><code>{status}</code></dt><dd>{inline(answer['description'])}</dd>")
@@ -172,18 +171,18 @@ def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> s
         block = code_block(format_json(content["example"]), "json")
         parts.append(f'<details class="example"><summary>Example response</summary>{block}</details>')
     if schema := content.get("schema"):
-        parts.append(_fields(schema["anyOf"][0] if "anyOf" in schema else schema, schemas, shown, node))
+        parts.append(_fields(schema["anyOf"][0] if "anyOf" in schema else schema, shown, node))
     return "\n".join(parts)
 
 
-def _fields(schema: Node, schemas: Mapping[str, Node], shown: dict[str, str], node: Node) -> str:
+def _fields(schema: Node, shown: dict[str, str], node: Node) -> str:
     """Make the table of a response's fields, once per page."""
     name = schema.get("$ref", "").rpartition("/")[2]
     if name in shown:
         there = f'<a href="#{shown[name]}">the same fields as above</a>'
         return f"<p>The response has {there}.</p>"
     shown[name] = node["operationId"]
-    fields_table = table(list(rows(schema, schemas)), with_required=False)
+    fields_table = table(list(rows(schema)), with_required=False)
     return f"<details><summary>Fields of the response</summary>{fields_table}</details>"
 
 

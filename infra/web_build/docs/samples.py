@@ -1,7 +1,5 @@
 """Requests of the API reference as code: curl, fetch in a browser or Node, and Python with httpx."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 
@@ -18,34 +16,36 @@ SAMPLE_NAMES = {"curl": "curl", "fetch": "fetch", "python": "Python"}
 
 def samples(call: Call) -> dict[str, str]:
     """Return the request in every language."""
-    return {"curl": curl(call), "fetch": fetch(call), "python": python(call)}
+    return {"curl": _curl(call), "fetch": _fetch(call), "python": _httpx(call)}
 
 
-def curl(call: Call) -> str:
-    """Write a command."""
+def _curl(call: Call) -> str:
     method = "" if call.method == ("GET" if call.body is None else "POST") else f" -X {call.method}"
     lines = [f"curl -s{' -G' if call.query else ''}{method} {SITE}{call.path}"]
-    if call.credential:
-        lines.append(f'-H "Authorization: Bearer {call.credential}"')
-    if call.accept:
-        lines.append(f'-H "Accept: {call.accept}"')
+    lines += [f'-H "{name}: {value}"' for name, value in _headers(call).items()]
     lines += [f'--data-urlencode "{name}={value}"' for name, value in call.query.items()]
     if call.body is not None:
-        lines += [f'-H "Content-Type: {JSON}"', f"-d '{_json(call.body)}'"]
+        lines.append(f"-d '{_json(call.body)}'")
     return " \\\n  ".join(lines)
 
 
-def fetch(call: Call) -> str:
-    """Write a module of JavaScript."""
+def _headers(call: Call) -> dict[str, str]:
+    return {
+        **({"Authorization": f"Bearer {call.credential}"} if call.credential else {}),
+        **({"Accept": call.accept} if call.accept else {}),
+        **({"Content-Type": JSON} if call.body is not None else {}),
+    }
+
+
+def _fetch(call: Call) -> str:
     lines = []
     where = f'"{SITE}{call.path}"'
     if call.query:
         lines.append(f"const query = new URLSearchParams({_javascript(dict(call.query))});")
         where = f"`{SITE}{call.path}?${{query}}`"
     options = [f'method: "{call.method}",'] if call.method != "GET" else []
-    headers = [f'authorization: "Bearer {call.credential}"'] if call.credential else []
-    headers += [f'accept: "{call.accept}"'] if call.accept else []
-    headers += [f'"content-type": "{JSON}"'] if call.body is not None else []
+    names = {"Authorization": "authorization", "Accept": "accept", "Content-Type": '"content-type"'}
+    headers = [f'{names[name]}: "{value}"' for name, value in _headers(call).items()]
     options += [f"headers: {{ {', '.join(headers)} }},"] if headers else []
     if call.body is not None:
         options.append(f"body: JSON.stringify({_javascript(call.body, 1)}),")
@@ -57,12 +57,9 @@ def fetch(call: Call) -> str:
     return "\n".join(lines)
 
 
-def python(call: Call) -> str:
-    """Write a program for Python with httpx."""
-    options = []
-    headers = [f'"Authorization": "Bearer {call.credential}"'] if call.credential else []
-    headers += [f'"Accept": "{call.accept}"'] if call.accept else []
-    options += [f"headers={{{', '.join(headers)}}},"] if headers else []
+def _httpx(call: Call) -> str:
+    headers = [f'"{name}": "{value}"' for name, value in _headers(call).items() if name != "Content-Type"]
+    options = [f"headers={{{', '.join(headers)}}},"] if headers else []
     options += [f"params={_python(dict(call.query))},"] if call.query else []
     options += [f"json={_python(call.body)},"] if call.body is not None else []
     options += ["timeout=30,"]  # s, as long as the service may take; httpx waits for 5 otherwise
@@ -85,7 +82,6 @@ def format_json(value: Any, pad: str = "") -> str:
 
 
 def _json(value: Any) -> str:
-    """Write JSON with one member a line, and what is within on that line."""
     if not isinstance(value, dict):
         return json.dumps(value, ensure_ascii=False)
     members = (f'  "{name}": {json.dumps(each, ensure_ascii=False)}' for name, each in value.items())
@@ -127,12 +123,7 @@ _MARKS = {SITE: "origin", TOKEN: "token"}
 def fill(html: str) -> str:
     """Mark the places in blocks of code that the page fills in: the site's address and the visitor's token.
 
-    Colours may not lie across them.
-
-    Raises
-    ------
-    ValueError
-        If a block has an address that begins otherwise, which would stay as it is.
+    Raises ValueError if an address begins otherwise, or is cut by colours.
     """
     parts = html.split("<pre")
     for index, part in enumerate(parts[1:], 1):

@@ -1,9 +1,7 @@
-"""HTTP requests as payload format 2.0 events, and handlers' answers as HTTP responses. Pure.
+"""HTTP requests as payload format 2.0 events, and handlers' answers as HTTP responses.
 
 Source: Amazon API Gateway developer guide, "Create AWS Lambda proxy integrations for HTTP APIs".
 """
-
-from __future__ import annotations
 
 import base64
 import json
@@ -30,10 +28,8 @@ class Request:
     """An HTTP request as it arrived."""
 
     method: str
-    path: str
-    """Percent-encoded, as sent."""
-    query: str = ""
-    """Without the question mark, as sent."""
+    path: str  # percent-encoded
+    query: str = ""  # without the question mark, percent-encoded
     headers: tuple[tuple[str, str], ...] = ()
     body: bytes = b""
     source_ip: str = "127.0.0.1"
@@ -73,15 +69,6 @@ def to_event(
 
     `rawPath` is decoded, as HTTP APIs deliver it (REST APIs and function URLs do not); `rawQueryString` is
     not. Absent parts are absent, not empty.
-
-    Parameters
-    ----------
-    request, route_key, path_parameters
-        The request and the route that matched it.
-    request_id
-        Id of this request.
-    now
-        Unix seconds.
     """
     headers, cookies = _headers(request)
     host = headers.get("host", "localhost")

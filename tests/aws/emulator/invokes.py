@@ -4,38 +4,25 @@ As on AWS, a failed asynchronous invocation is retried. If every attempt fails, 
 queue of the function.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import threading
 import uuid
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from botocore.awsrequest import AWSPreparedRequest
 
 from tests.aws.emulator.functions import Function, FunctionError
-from tests.aws.emulator.intrinsics import ACCOUNT, REGION
 from tests.aws.emulator.storage import Answer
-from tests.aws.emulator.template import FunctionSpec
 
 _log = logging.getLogger("tests.aws.emulator.invokes")
 
 
 class Invokes:
-    """Delivers invocations to functions.
-
-    Parameters
-    ----------
-    functions
-        By name.
-    pauses
-        Seconds before the first retry and before the later ones. Lambda waits one and two minutes.
-    """
+    """Delivers invocations to functions; `pauses`: s before the first retry and before the later ones."""
 
     def __init__(self, functions: Mapping[str, Function], pauses: Sequence[float]):
         self._functions = functions
@@ -74,10 +61,7 @@ class Invokes:
     def wait_until_idle(self, seconds: float) -> None:
         """Wait until no asynchronous invocation is queued, running, or waiting for a retry.
 
-        Raises
-        ------
-        TimeoutError
-            If invocations are still unfinished after `seconds`.
+        Raises TimeoutError.
         """
         with self._idle:
             if not self._idle.wait_for(lambda: self._unfinished == 0, seconds):
@@ -114,32 +98,9 @@ class Invokes:
             except FunctionError as error:  # the function has logged it
                 payload = error.payload
         _log.error("%s: a call failed %d times and is given up", function.spec.name, attempts)
-        if function.spec.failures:
-            self._failures.append(_failure(function.spec, request_id, event, payload))
-
-
-def _failure(spec: FunctionSpec, request_id: str, event: Any, payload: Any) -> dict[str, Any]:
-    """Return the dead-letter record of an invocation that failed every time.
-
-    Source: AWS Lambda developer guide, "Capturing records of Lambda asynchronous invocations".
-    """
-    return {
-        "version": "1.0",
-        "timestamp": datetime.now(UTC).isoformat(timespec="milliseconds"),
-        "requestContext": {
-            "requestId": request_id,
-            "functionArn": f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{spec.name}:$LATEST",
-            "condition": "RetriesExhausted",
-            "approximateInvokeCount": 1 + spec.retries,
-        },
-        "requestPayload": event,
-        "responseContext": {
-            "statusCode": 200,
-            "executedVersion": "$LATEST",
-            "functionError": "Unhandled",
-        },
-        "responsePayload": payload,
-    }
+        if function.spec.has_failures:
+            # Source: AWS Lambda developer guide, "Capturing records of Lambda asynchronous invocations"
+            self._failures.append({"requestPayload": event, "responsePayload": payload})
 
 
 def _error(status: int, code: str, text: str) -> Answer:

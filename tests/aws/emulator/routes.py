@@ -1,10 +1,7 @@
-"""Routing of an HTTP API by method and path. Pure.
+"""Routing of an HTTP API by method and path.
 
-Source: Amazon API Gateway developer guide, "Create routes for HTTP APIs in API Gateway", routing API
-requests.
+Source: Amazon API Gateway developer guide, "Create routes for HTTP APIs in API Gateway".
 """
-
-from __future__ import annotations
 
 import re
 from collections.abc import Iterable
@@ -40,15 +37,7 @@ class Routes:
         )
 
     def match(self, method: str, path: str) -> Match | None:
-        """Find the route of a request, or None.
-
-        Parameters
-        ----------
-        method
-            Upper case.
-        path
-            Percent-encoded; it is matched decoded, as an HTTP API does.
-        """
+        """Find the route of a request; `path` is percent-encoded and matched decoded, as an HTTP API does."""
         decoded = unquote(path)
         for pattern, route in self._routes:
             if route.method in (method, "ANY") and (found := pattern.fullmatch(decoded)):

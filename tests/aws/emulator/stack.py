@@ -1,17 +1,13 @@
 """The whole deployment in this process."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import time
-import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
-from types import TracebackType
 from typing import Self
+from unittest.mock import patch
 
 from starlette.requests import Request as WebRequest
 from starlette.responses import Response as WebResponse
@@ -24,16 +20,29 @@ from calibdb.store import Store
 from infra.server import secrets
 from infra.server.app import ORIGINS
 from infra.server.server import DEVELOPMENT_TOKEN, bind, serving
-from tests.aws.emulator import environment as env
 from tests.aws.emulator.events import Request, Response, message
 from tests.aws.emulator.functions import Function
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from tests.aws.emulator.intercept import intercepting
+from tests.aws.emulator.intrinsics import REGION
 from tests.aws.emulator.invokes import Invokes
 from tests.aws.emulator.storage import Storage
 from tests.aws.emulator.template import load
 
-ROOT = Path(__file__).resolve().parents[3]
+# Variables that would lead boto3 away from the storage of this process
+_MISLEADING = (
+    *(f"AWS_ENDPOINT_URL{service}" for service in ("", "_DYNAMODB", "_LAMBDA", "_S3")),
+    *("AWS_PROFILE", "AWS_SESSION_TOKEN"),
+)
+_LOCAL = {
+    "AWS_ACCESS_KEY_ID": "local",
+    "AWS_SECRET_ACCESS_KEY": "local",  # signs requests that never leave the process
+    "AWS_CONFIG_FILE": os.devnull,
+    "AWS_SHARED_CREDENTIALS_FILE": os.devnull,
+    "AWS_EC2_METADATA_DISABLED": "true",
+    "AWS_REGION": REGION,
+    "AWS_DEFAULT_REGION": REGION,
+}
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
 
@@ -41,19 +50,8 @@ _THREADS = max(4, 2 * (os.cpu_count() or 1))
 class LocalStack:
     """The template's functions, routes and storage while its block lasts. One at a time in a process.
 
-    Parameters
-    ----------
-    environment
-        Variables of the functions, over the template's.
-    retry_pauses
-        Seconds before the retries of an asynchronous invocation that failed; see `Invokes`.
-    answers_preflights
-        Whether the gateway responds to every preflight; see `Gateway`.
-
-    Raises
-    ------
-    TemplateError
-        At the start of the block, if the template cannot be run.
+    `environment`: variables of the functions, over the template's. `retry_pauses`: as in `Invokes`.
+    `answers_preflights`: as in `Gateway`.
     """
 
     def __init__(
@@ -65,39 +63,38 @@ class LocalStack:
         self._answers_preflights = answers_preflights
         self._environment = environment or {}
         self._retry_pauses = retry_pauses
-        self._stack = ExitStack()
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             self._start(stack)
-            self._stack = stack.pop_all()
+            self._running = stack.pop_all()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._stack.close()
+    def __exit__(self, *_: object) -> None:
+        self._running.close()
 
     def _start(self, stack: ExitStack) -> None:
         self._listener = stack.enter_context(bind("127.0.0.1", 0))
         self._port = self._listener.getsockname()[1]
         self.url = f"http://127.0.0.1:{self._port}"
-        """URL of `serve`, without slash."""
-
         # One user is one contributor, and every capture and check counts.
         parameters = {
             "GuidanceUrl": f"{self.url}/calibrate/",
             "Thresholds": "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0",
         }
-        self.template = load(ROOT / "template.yaml", parameters)
+        self.template = load(parameters)
         own = secrets.generate()
-        self.environment = (
-            self.template.environment()
+        self.environment = {
+            **self.template.environment(),
             # The secrets themselves: the emulator has no parameter store.
-            | {"SECRETS_PATH": "", "SESSION_SECRETS": own.session, "CONTRIBUTOR_SECRET": own.contributor}
-            | dict(self._environment)
-        )
-        stack.enter_context(env.set_variables(self.environment))
+            "SECRETS_PATH": "",
+            "SESSION_SECRETS": own.session,
+            "CONTRIBUTOR_SECRET": own.contributor,
+            **self._environment,
+        }
+        stack.enter_context(patch.dict(os.environ, _LOCAL | self.environment))
+        for name in _MISLEADING:
+            os.environ.pop(name, None)
         Service.forget()
         stack.callback(Service.forget)
         self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
@@ -105,24 +102,16 @@ class LocalStack:
         storage = Storage()
         services = {"dynamodb": storage.handle, "s3": storage.handle, "lambda": invokes.handle}
         stack.enter_context(intercepting(services))
-        stack.callback(storage.close)
+        stack.callback(storage.empty)
         stack.callback(invokes.close)
         storage.create(self.template.tables, self.template.buckets)
         self.failures = invokes.failures
-        """Reads the dead-letter queue: invocations that failed every time, as Lambda records them."""
         self.wait_until_idle = invokes.wait_until_idle
-        """Waits until no asynchronous call is unfinished; see `Invokes.wait_until_idle`."""
         self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
-        self.gateway = Gateway(
-            self.template, self.functions, time.time, lambda: str(uuid.uuid4()), self._answers_preflights
-        )
-        self._admit_development_token()
-
-    def _admit_development_token(self) -> None:
+        self.gateway = Gateway(self.template, self.functions, self._answers_preflights)
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
-        created = int(time.time())
-        token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=created)
+        token = ApiToken(token_id, secret_hash(secret), ORIGINS, "development", int(time.time()))
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
 
     def request(
@@ -133,10 +122,7 @@ class LocalStack:
         query: str = "",
         body: bytes = b"",
     ) -> Response:
-        """Send a request through the gateway without a socket.
-
-        `path` and `query` are percent-encoded, as on the wire; `query` is without its question mark.
-        """
+        """Send a request through the gateway without a socket; `path` and `query` are percent-encoded."""
         host = {"host": self.url.removeprefix("http://")}
         request = Request(method, path, query, tuple((host | dict(headers or {})).items()), body)
         try:

@@ -1,10 +1,9 @@
 """moto's DynamoDB and S3 as the template's tables and buckets, in memory."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import boto3
 from botocore.awsrequest import AWSPreparedRequest
@@ -12,15 +11,7 @@ from moto.core.botocore_stubber import BotocoreStubber
 from moto.dynamodb.models import dynamodb_backends
 from moto.s3.models import s3_backends
 
-from tests.aws.emulator.template import TableSpec
-
-_TABLE_PROPERTIES = (
-    "KeySchema",
-    "AttributeDefinitions",
-    "BillingMode",
-    "GlobalSecondaryIndexes",
-    "LocalSecondaryIndexes",
-)
+_TABLE_PROPERTIES = ("KeySchema", "AttributeDefinitions", "BillingMode")
 # What S3 answers for a missing object if the caller may not list the bucket, as no function may.
 _DENIED = b"<Error><Code>AccessDenied</Code><Message>Access Denied</Message></Error>"
 
@@ -40,15 +31,13 @@ class Storage:
     def __init__(self) -> None:
         self._moto = BotocoreStubber()
         self._lock = threading.RLock()
-        self._reset()
+        self.empty()
 
-    def create(self, tables: Iterable[TableSpec], buckets: Iterable[str]) -> None:
+    def create(self, tables: Mapping[str, Mapping[str, Any]], buckets: Iterable[str]) -> None:
         """Create tables and buckets through boto3, whose requests `handle` receives."""
-        for table in tables:
-            properties = {
-                name: table.properties[name] for name in _TABLE_PROPERTIES if name in table.properties
-            }
-            boto3.client("dynamodb").create_table(TableName=table.name, **properties)
+        for name, properties in tables.items():
+            known = {key: properties[key] for key in _TABLE_PROPERTIES}
+            boto3.client("dynamodb").create_table(TableName=name, **known)
         for bucket in buckets:
             boto3.client("s3").create_bucket(Bucket=bucket)
 
@@ -63,11 +52,8 @@ class Storage:
             return Answer(403, {"content-type": "application/xml"}, _DENIED)
         return Answer(status, headers, body.encode() if isinstance(body, str) else body)
 
-    def close(self) -> None:
-        """Empty moto."""
-        self._reset()
-
-    def _reset(self) -> None:
+    def empty(self) -> None:
+        """Remove all tables and buckets."""
         with self._lock:
             dynamodb_backends.reset()
             s3_backends.reset()

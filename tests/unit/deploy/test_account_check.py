@@ -1,7 +1,11 @@
 """The account is asked, before anything is made, why a deployment would fail; each answer says what to do."""
 
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
+from unittest.mock import Mock
 
 import boto3
 import pytest
@@ -27,45 +31,32 @@ def refusal(code: str, text: str = "") -> ClientError:
     return ClientError({"Error": {"Code": code, "Message": text}}, "Call")
 
 
-class Cloud:
-    """Answers of an account; every service in one."""
-
-    status: str | None = None
-    parameters: tuple[dict[str, str], ...] = ()
-    limit, unreserved = 1000, 1000
-    distribution = refusal("NoSuchOriginAccessControl", "The specified origin access control does not exist.")
-    certificate: Any = CERTIFICATE
-    zone = "example.org."
-
-    def describe_stacks(self, **_: str) -> Any:
-        if self.status is None:
-            raise refusal("ValidationError", "Stack with id mine does not exist")
-        return {"Stacks": [{"StackStatus": self.status, "Parameters": list(self.parameters)}]}
-
-    def get_account_settings(self) -> Any:
-        return {
-            "AccountLimit": {
-                "ConcurrentExecutions": self.limit,
-                "UnreservedConcurrentExecutions": self.unreserved,
-            }
-        }
-
-    def create_distribution(self, **_: Any) -> Any:
-        raise self.distribution
-
-    def describe_certificate(self, **_: str) -> Any:
-        if isinstance(self.certificate, ClientError):
-            raise self.certificate
-        return {"Certificate": self.certificate}
-
-    def get_hosted_zone(self, **_: str) -> Any:
-        return {"HostedZone": {"Name": self.zone}}
+ABSENT = refusal("NoSuchOriginAccessControl", "The specified origin access control does not exist.")
 
 
-def found(target: Target = TARGET, **answers: Any) -> list[str]:
-    cloud = type("Other", (Cloud,), answers)()
-    account = account_check.Account(cloud, cloud, cloud, cloud, cloud)
-    return list(account_check.problems(target, account))
+def found(
+    target: Target = TARGET,
+    *,
+    status: str | None = None,
+    parameters: Mapping[str, str] = MappingProxyType({}),
+    limit: int = 1000,
+    unreserved: int = 1000,
+    distribution: ClientError = ABSENT,
+    certificate: Any = CERTIFICATE,
+    zone: str = "example.org.",
+) -> list[str]:
+    """Problems of an account with these responses."""
+    kept = [{"ParameterKey": name, "ParameterValue": value} for name, value in parameters.items()]
+    stack = {"Stacks": [{"StackStatus": status, "Parameters": kept}]}
+    limits = {"ConcurrentExecutions": limit, "UnreservedConcurrentExecutions": unreserved}
+    described = certificate if isinstance(certificate, ClientError) else {"Certificate": certificate}
+    cloud = Mock()  # all services
+    cloud.describe_stacks.side_effect = [stack if status else refusal("ValidationError")]
+    cloud.get_account_settings.return_value = {"AccountLimit": limits}
+    cloud.create_distribution.side_effect = distribution
+    cloud.describe_certificate.side_effect = [described]
+    cloud.get_hosted_zone.return_value = {"HostedZone": {"Name": zone}}
+    return list(account_check.problems(target, defaultdict(lambda: cloud)))
 
 
 def with_parameters(**parameters: str) -> Target:
@@ -113,13 +104,13 @@ def test_reserved_concurrency_leaves_a_hundred(limit: int, problems: int) -> Non
 
 
 def test_concurrency_that_the_stack_has_reserved_already_is_its_own() -> None:
-    kept = (
-        {"ParameterKey": "SubmitConcurrency", "ParameterValue": "50"},
-        {"ParameterKey": "RefitConcurrency", "ParameterValue": "20"},
-        {"ParameterKey": "LookupConcurrency", "ParameterValue": "100"},
-        {"ParameterKey": "PoseConcurrency", "ParameterValue": "50"},
-        {"ParameterKey": "ComputeConcurrency", "ParameterValue": "20"},
-    )
+    kept = {
+        "SubmitConcurrency": "50",
+        "RefitConcurrency": "20",
+        "LookupConcurrency": "100",
+        "PoseConcurrency": "50",
+        "ComputeConcurrency": "20",
+    }
     assert found(status="CREATE_COMPLETE", parameters=kept, limit=270, unreserved=100) == []
 
 

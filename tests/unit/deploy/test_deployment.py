@@ -1,8 +1,9 @@
 """A deployment knows what is there already, and which release each alias runs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import boto3
 import pytest
@@ -13,17 +14,15 @@ from hypothesis import strategies as st
 
 from infra.deploy import aws, deployment
 from infra.deploy.steps import ROLLOUT, Target, parameter_file, steps
+from tests.unit.deploy.paged import paged
 
 
-class Cloudformation:
-    """A stack, or none, and its resources."""
+class Cloudformation(Mock):
+    """A stack, or none."""
 
-    def __init__(self, status: str | None = None, **outputs: str) -> None:
-        self.status = status
-        self.outputs = outputs
-        self.parameters: dict[str, str] = {}
-        self.changes: list[dict[str, Any]] = []
-        self.functions: tuple[str, ...] = ()
+    status: str | None = None
+    outputs: Mapping[str, str] = {}
+    parameters: Mapping[str, str] = {}
 
     def describe_stacks(self, **_: str) -> Any:
         if self.status is None:
@@ -31,52 +30,6 @@ class Cloudformation:
         parameters = [{"ParameterKey": k, "ParameterValue": v} for k, v in self.parameters.items()]
         outputs = [{"OutputKey": k, "OutputValue": v} for k, v in self.outputs.items()]
         return {"Stacks": [{"StackStatus": self.status, "Parameters": parameters, "Outputs": outputs}]}
-
-    def update_stack(self, **change: Any) -> None:
-        self.changes.append(change)
-
-    def update_termination_protection(self, **change: Any) -> None:
-        self.changes.append(change)
-
-    def get_waiter(self, _: str) -> Any:
-        return type("Waiter", (), {"wait": lambda *_, **__: None})()
-
-    def get_paginator(self, name: str) -> Any:
-        pages = {
-            "list_stack_resources": {
-                "StackResourceSummaries": [
-                    *(
-                        {
-                            "LogicalResourceId": f,
-                            "PhysicalResourceId": f,
-                            "ResourceType": "AWS::Lambda::Function",
-                        }
-                        for f in self.functions
-                    ),
-                    {
-                        "PhysicalResourceId": "arn:aws:lambda:us-east-1:123456789012:function:lookup:live",
-                        "ResourceType": "AWS::Lambda::Alias",
-                    },
-                ]
-            },
-            "list_stacks": {
-                "StackSummaries": [
-                    {"StackName": "mine", "StackId": "old", "CreationTime": 1},
-                    {"StackName": "mine", "StackId": "new", "CreationTime": 2},
-                    {"StackName": "other", "StackId": "other", "CreationTime": 3},
-                ]
-            },
-        }
-        return type("Pages", (), {"paginate": lambda *_, **__: [pages[name]]})()
-
-    def describe_stack_events(self, **asked: str) -> Any:
-        assert asked["StackName"] == "new"
-        return {
-            "StackEvents": [
-                {"LogicalResourceId": "A", "ResourceStatus": "CREATE_COMPLETE"},
-                {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"},
-            ]
-        }
 
 
 @pytest.fixture
@@ -86,14 +39,14 @@ def cloud(monkeypatch: pytest.MonkeyPatch) -> Cloudformation:
     return found
 
 
-def test_first_deployment_tells_the_functions_where_the_site_is(cloud: Cloudformation) -> None:
+@pytest.mark.usefixtures("cloud")
+def test_first_deployment_tells_the_functions_where_the_site_is() -> None:
     target = deployment.find_out(Target("mine", "us-east-1"))
     assert (target.exists, target.site) == (False, None)
     deploys = [s for s in steps(target) if s.command[1:2] == ("deploy",)]
     assert len(deploys) == 2
     assert deploys[1].parameters["GuidanceUrl"] == "{SiteUrl}/calibrate/"
     assert deploys[1].parameters["Rollout"] == "AllAtOnce"  # there are no calls to move yet
-    assert cloud.changes == []
 
 
 def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloudformation) -> None:
@@ -115,62 +68,63 @@ def test_stack_without_resources_is_not_there(cloud: Cloudformation) -> None:
     assert not deployment.find_out(Target("mine", "us-east-1")).exists
 
 
+def resource(kind: str, name: str) -> dict[str, str]:
+    return {"ResourceType": f"AWS::Lambda::{kind}", "PhysicalResourceId": name, "LogicalResourceId": name}
+
+
+def alias(function: str) -> dict[str, str]:
+    return resource("Alias", f"arn:aws:lambda:us-east-1:123456789012:function:{function}:live")
+
+
 def test_release_is_read_at_the_alias_that_the_api_calls() -> None:
     """The probe belongs to no release."""
-    cloudformation = Cloudformation()
-    cloudformation.functions = ("lookup", "refit", "Probe")
+    functions = [resource("Function", name) for name in ("lookup", "refit", "Probe")]
+    cloudformation = paged({"StackResourceSummaries": [*functions, alias("lookup")]})
 
-    class Lambda:
-        def get_function_configuration(self, **asked: str) -> Any:
-            release = {"lookup": "old", "refit": "new"}.get(asked["FunctionName"])
-            assert asked.get("Qualifier") == ("live" if asked["FunctionName"] == "lookup" else None)
-            return {"Environment": {"Variables": {"RELEASE": release} if release else {}}}
+    def configuration(FunctionName: str, Qualifier: str = "newest") -> Any:  # noqa: N803
+        return {"Environment": {"Variables": {"RELEASE": f"{Qualifier} {FunctionName}"}}}
 
-    assert aws.releases(cloudformation, Lambda(), "mine") == {"lookup": "old", "refit": "new"}
+    lambda_ = Mock(get_function_configuration=configuration)
+    assert aws.releases(cloudformation, lambda_, "mine") == {"lookup": "live lookup", "refit": "newest refit"}
 
 
 def test_step_back_points_aliases_at_the_version_before() -> None:
-    versions = {"lookup": (["$LATEST", "3", "7", "9", "10"], "9"), "refit": (["$LATEST", "4"], "4")}
-    changes: list[dict[str, Any]] = []
-
-    class Lambda:
-        def get_alias(self, **asked: str) -> Any:
-            return {"FunctionVersion": versions[asked["FunctionName"]][1]}
-
-        def get_paginator(self, name: str) -> Any:
-            assert name == "list_versions_by_function"
-            return self
-
-        def paginate(self, **asked: str) -> Any:
-            return [{"Versions": [{"Version": v} for v in versions[asked["FunctionName"]][0]]}]
-
-        def update_alias(self, **change: Any) -> None:
-            changes.append(change)
-
-    class Resources:
-        def get_paginator(self, _: str) -> Any:
-            return self
-
-        def paginate(self, **_: str) -> Any:
-            names = [f"arn:aws:lambda:us-east-1:123456789012:function:{name}:live" for name in versions]
-            rows = [{"ResourceType": "AWS::Lambda::Alias", "PhysicalResourceId": name} for name in names]
-            return [{"StackResourceSummaries": rows}]
-
-    assert aws.step_back(Resources(), Lambda(), "mine") == {"lookup": ("9", "7")}
-    (change,) = changes
-    assert (change["FunctionName"], change["Name"], change["FunctionVersion"]) == ("lookup", "live", "7")
-    assert change["RoutingConfig"] == {"AdditionalVersionWeights": {}}
+    cloudformation = paged({"StackResourceSummaries": [alias("lookup")]})
+    versions = [{"Version": version} for version in ("$LATEST", "3", "7", "9", "10")]
+    lambda_ = paged({"Versions": versions}, get_alias={"FunctionVersion": "9"})
+    assert aws.step_back(cloudformation, lambda_, "mine") == {"lookup": ("9", "7")}
+    lambda_.update_alias.assert_called_once_with(
+        FunctionName="lookup",
+        Name="live",
+        FunctionVersion="7",
+        RoutingConfig={"AdditionalVersionWeights": {}},
+    )
+    first = paged({"Versions": versions[:2]}, get_alias={"FunctionVersion": "3"})
+    assert aws.step_back(cloudformation, first, "mine") == {}
+    first.update_alias.assert_not_called()
 
 
 def test_failed_resources_of_the_newest_stack_are_read() -> None:
-    assert aws.failures(Cloudformation(), "mine") == ["B: why"]
+    stacks = [("mine", "old"), ("mine", "new"), ("other", "other")]
+    summaries = [
+        {"StackName": name, "StackId": identity, "CreationTime": time}
+        for time, (name, identity) in enumerate(stacks)
+    ]
+    events = [
+        {"LogicalResourceId": "A", "ResourceStatus": "CREATE_COMPLETE"},
+        {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"},
+    ]
+    cloudformation = paged({"StackSummaries": summaries}, describe_stack_events={"StackEvents": events})
+    assert aws.failures(cloudformation, "mine") == ["B: why"]
+    cloudformation.describe_stack_events.assert_called_once_with(StackName="new")
 
 
 def test_one_parameter_is_changed_and_the_others_are_kept() -> None:
-    cloudformation = Cloudformation("UPDATE_COMPLETE")
+    cloudformation = Cloudformation()
+    cloudformation.status = "UPDATE_COMPLETE"
     cloudformation.parameters = {"AlarmEmail": "a@example.org", "EdgeSecretVersion": "1"}
     aws.set_parameter(cloudformation, "mine", "EdgeSecretVersion", "2")
-    (change,) = cloudformation.changes
+    change = cloudformation.update_stack.call_args.kwargs
     assert change["UsePreviousTemplate"] is True
     assert change["Parameters"] == [
         {"ParameterKey": "AlarmEmail", "UsePreviousValue": True},
@@ -179,24 +133,16 @@ def test_one_parameter_is_changed_and_the_others_are_kept() -> None:
 
 
 def test_stack_and_table_are_protected_once_they_are_there() -> None:
-    cloudformation = Cloudformation("CREATE_COMPLETE", TableName="table")
-    changes: list[dict[str, Any]] = []
-
-    class Dynamodb:
-        protected = False
-
-        def describe_table(self, **_: str) -> Any:
-            return {"Table": {"DeletionProtectionEnabled": self.protected}}
-
-        def update_table(self, **change: Any) -> None:
-            self.protected = True
-            changes.append(change)
-
-    dynamodb = Dynamodb()
-    for _ in range(2):
+    cloudformation = Cloudformation()
+    cloudformation.status, cloudformation.outputs = "CREATE_COMPLETE", {"TableName": "table"}
+    dynamodb = Mock()
+    for protected in (False, True):
+        dynamodb.describe_table.return_value = {"Table": {"DeletionProtectionEnabled": protected}}
         aws.protect(cloudformation, dynamodb, "mine")
-    assert cloudformation.changes[0] == {"StackName": "mine", "EnableTerminationProtection": True}
-    assert changes == [{"TableName": "table", "DeletionProtectionEnabled": True}]
+    cloudformation.update_termination_protection.assert_called_with(
+        StackName="mine", EnableTerminationProtection=True
+    )
+    dynamodb.update_table.assert_called_once_with(TableName="table", DeletionProtectionEnabled=True)
 
 
 OTHER_STEPS = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")

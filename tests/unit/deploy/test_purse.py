@@ -81,7 +81,3 @@ def test_firewall_is_on_only_where_it_can_be_made() -> None:
     block = resources()["RateRule"]["Properties"]["Rules"][0]["Action"]["Block"]["CustomResponse"]
     assert block["ResponseCode"] == 429
     assert block["ResponseHeaders"] == [{"Name": "retry-after", "Value": "300"}]
-
-
-def test_without_a_budget_none_is_made() -> None:
-    assert resources()["Budget"]["Condition"] == "BudgetOn"

@@ -9,20 +9,10 @@ from starlette.responses import Response
 from calibdb.errors import UnavailableError
 from calibdb.http import application
 from calibdb.service import Service
+from tests.aws.emulator.events import Request, to_event
 from tests.helpers.sam import created
 
-EVENT = {
-    "version": "2.0",
-    "routeKey": "GET /v1/broken",
-    "rawPath": "/v1/broken",
-    "rawQueryString": "",
-    "headers": {},
-    "requestContext": {
-        "http": {"method": "GET", "path": "/v1/broken", "sourceIp": "192.0.2.1", "protocol": "HTTP/1.1"},
-        "stage": "$default",
-    },
-    "isBase64Encoded": False,
-}
+EVENT = to_event(Request("GET", "/v1/broken"), "GET /v1/broken", {}, "request", 0.0)
 
 
 @pytest.fixture

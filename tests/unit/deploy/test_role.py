@@ -5,7 +5,6 @@ import json
 import re
 from typing import Any
 
-import pytest
 import yaml
 
 from calibdb.camera_key import camera_key
@@ -27,29 +26,20 @@ UNSCOPED = {
 }
 
 
-@pytest.fixture(scope="module")
-def role() -> dict[str, Any]:
-    return parse(ROOT / "infra/deploy/role.yaml")["Resources"]
-
-
+ROLE = parse(ROOT / "infra/deploy/role.yaml")["Resources"]
 HANDLERS = yaml.safe_load((ROOT / "tests/unit/deploy/handler_actions.yaml").read_text())
-
-
-def statements(role: dict[str, Any]) -> list[dict[str, Any]]:
-    return [
-        statement
-        for name, resource in role.items()
-        if resource["Type"] == "AWS::IAM::ManagedPolicy" and name != "Boundary"
-        for statement in resource["Properties"]["PolicyDocument"]["Statement"]
-    ]
+POLICIES = {n: r["Properties"] for n, r in ROLE.items() if r["Type"] == "AWS::IAM::ManagedPolicy"}
+BOUNDARY = POLICIES["Boundary"]
+STATEMENTS = [s for p in POLICIES.values() if p is not BOUNDARY for s in p["PolicyDocument"]["Statement"]]
+BY_SID = {statement["Sid"]: statement for statement in STATEMENTS}
 
 
 def listed(value: Any) -> list[Any]:
     return value if isinstance(value, list) else [value]
 
 
-def test_one_environment_of_one_repository_assumes_the_role(role: dict[str, Any]) -> None:
-    (trust,) = role["DeployRole"]["Properties"]["AssumeRolePolicyDocument"]["Statement"]
+def test_one_environment_of_one_repository_assumes_the_role() -> None:
+    (trust,) = ROLE["DeployRole"]["Properties"]["AssumeRolePolicyDocument"]["Statement"]
     assert trust["Action"] == "sts:AssumeRoleWithWebIdentity"
     assert trust["Condition"]["StringEquals"] == {
         "token.actions.githubusercontent.com:aud": "sts.amazonaws.com",
@@ -59,8 +49,8 @@ def test_one_environment_of_one_repository_assumes_the_role(role: dict[str, Any]
     }
 
 
-def test_role_names_actions_and_the_stack_s_resources(role: dict[str, Any]) -> None:
-    for statement in statements(role):
+def test_role_names_actions_and_the_stack_s_resources() -> None:
+    for statement in STATEMENTS:
         if statement["Effect"] == "Deny":
             continue
         actions = listed(statement["Action"])
@@ -69,30 +59,23 @@ def test_role_names_actions_and_the_stack_s_resources(role: dict[str, Any]) -> N
             assert set(actions) <= UNSCOPED or "Condition" in statement, statement["Sid"]
 
 
-def test_role_cannot_change_itself_nor_attach_strange_policies(role: dict[str, Any]) -> None:
-    known = {statement["Sid"]: statement for statement in statements(role)}
-    assert known["NotItself"]["Effect"] == "Deny"
-    own = [resource["Fn::Sub"] for resource in known["NotItself"]["Resource"]]
-    assert own[0].endswith(f":role/{role['DeployRole']['Properties']['RoleName']['Fn::Sub']}")
-    assert all(
-        resource["Properties"]["ManagedPolicyName"]["Fn::Sub"].startswith("${Stack}-deploy-")
-        for name, resource in role.items()
-        if resource["Type"] == "AWS::IAM::ManagedPolicy" and name != "Boundary"
-    )
-    attached = known["AttachOwnPolicies"]["Condition"]["ArnLike"]["iam:PolicyARN"]
+def test_role_cannot_change_itself_nor_attach_strange_policies() -> None:
+    assert BY_SID["NotItself"]["Effect"] == "Deny"
+    own = [resource["Fn::Sub"] for resource in BY_SID["NotItself"]["Resource"]]
+    assert own[0].endswith(f":role/{ROLE['DeployRole']['Properties']['RoleName']['Fn::Sub']}")
+    names = [policy["ManagedPolicyName"]["Fn::Sub"] for policy in POLICIES.values() if policy is not BOUNDARY]
+    assert all(name.startswith("${Stack}-deploy-") for name in names)
+    attached = BY_SID["AttachOwnPolicies"]["Condition"]["ArnLike"]["iam:PolicyARN"]
     assert not [arn for arn in attached if "Administrator" in arn["Fn::Sub"] or arn["Fn::Sub"].endswith(":*")]
-    assert set(known["PassRoles"]["Condition"]["StringEquals"]["iam:PassedToService"]) == {
+    assert set(BY_SID["PassRoles"]["Condition"]["StringEquals"]["iam:PassedToService"]) == {
         f"{service}.amazonaws.com" for service in ("lambda", "states", "codedeploy", "s3")
     }
 
 
-def test_every_managed_policy_of_the_stack_may_be_attached(role: dict[str, Any]) -> None:
+def test_every_managed_policy_of_the_stack_may_be_attached() -> None:
     """SAM's transform attaches policies that no file of the project names."""
-    (allowed,) = (s for s in statements(role) if s["Sid"] == "AttachOwnPolicies")
-    patterns = [
-        pattern["Fn::Sub"].replace("${AWS::Partition}", "aws")
-        for pattern in allowed["Condition"]["ArnLike"]["iam:PolicyARN"]
-    ]
+    allowed = BY_SID["AttachOwnPolicies"]["Condition"]["ArnLike"]["iam:PolicyARN"]
+    patterns = [pattern["Fn::Sub"].replace("${AWS::Partition}", "aws") for pattern in allowed]
     attached = {
         arn.replace("${AWS::Partition}", "aws")
         for resource in created().values()
@@ -112,8 +95,8 @@ def strings(value: Any) -> list[str]:
     return [text for item in items for text in strings(item)]
 
 
-def test_every_handler_of_the_stack_s_resources_is_allowed(role: dict[str, Any]) -> None:
-    allowed = {a for s in statements(role) if s["Effect"] == "Allow" for a in listed(s["Action"])}
+def test_every_handler_of_the_stack_s_resources_is_allowed() -> None:
+    allowed = {a for s in STATEMENTS if s["Effect"] == "Allow" for a in listed(s["Action"])}
     types = {resource["Type"] for resource in created().values()}
     assert types == HANDLERS.keys(), "types whose actions are not listed, or that the stack lacks"
     required = {
@@ -126,10 +109,10 @@ def test_every_handler_of_the_stack_s_resources_is_allowed(role: dict[str, Any])
     assert sorted(required - allowed) == []
 
 
-def test_no_version_of_an_object_can_be_removed(role: dict[str, Any]) -> None:
-    actions = [a for s in statements(role) if s["Effect"] == "Allow" for a in listed(s["Action"])]
+def test_no_version_of_an_object_can_be_removed() -> None:
+    actions = [a for s in STATEMENTS if s["Effect"] == "Allow" for a in listed(s["Action"])]
     assert not [a for a in actions if fnmatch.fnmatchcase("s3:DeleteObjectVersion", a)]
-    removing = [s for s in statements(role) if "s3:DeleteObject" in listed(s["Action"])]
+    removing = [s for s in STATEMENTS if "s3:DeleteObject" in listed(s["Action"])]
     places = [r["Fn::Sub"].rpartition(":::")[2] for s in removing for r in listed(s["Resource"])]
     key = camera_key(smoke_capture.CAMERA, "X11; Linux x86_64")
     data = [place for place in places if "keypointbucket" in place or "replica" in place]
@@ -147,20 +130,11 @@ def test_every_role_of_the_stack_has_the_boundary() -> None:
     assert [name for name, role in roles.items() if role.get("PermissionsBoundary") != boundary] == []
 
 
-def test_boundary_allows_what_the_roles_are_given(role: dict[str, Any]) -> None:
+def test_boundary_allows_what_the_roles_are_given() -> None:
     """Without the wildcards of AWS's own policies: they stand for these actions."""
-    allowed = {
-        action
-        for statement in role["Boundary"]["Properties"]["PolicyDocument"]["Statement"]
-        for action in listed(statement["Action"])
-    }
-    given = {
-        action
-        for resource in created().values()
-        for document in documents(resource)
-        for statement in document["Statement"]
-        for action in listed(statement["Action"])
-    }
+    allowed = {a for s in BOUNDARY["PolicyDocument"]["Statement"] for a in listed(s["Action"])}
+    granted = [s for resource in created().values() for d in documents(resource) for s in d["Statement"]]
+    given = {action for statement in granted for action in listed(statement["Action"])}
     of_aws = {
         *("logs:CreateLogStream", "logs:PutLogEvents", "xray:PutTraceSegments", "xray:PutTelemetryRecords"),
         *("sqs:ReceiveMessage", "sqs:DeleteMessage", "sqs:GetQueueAttributes"),
@@ -181,31 +155,30 @@ def documents(resource: dict[str, Any]) -> list[dict[str, Any]]:
     return []
 
 
-def test_roles_are_made_and_changed_with_the_boundary_only(role: dict[str, Any]) -> None:
+def test_roles_are_made_and_changed_with_the_boundary_only() -> None:
     granting = {
         "iam:CreateRole",
         "iam:PutRolePermissionsBoundary",
         "iam:PutRolePolicy",
         "iam:AttachRolePolicy",
     }
-    boundary = role["Boundary"]["Properties"]["ManagedPolicyName"]["Fn::Sub"]
+    boundary = BOUNDARY["ManagedPolicyName"]["Fn::Sub"]
     found = set()
-    for statement in statements(role):
+    for statement in STATEMENTS:
         if statement["Effect"] == "Allow" and (actions := granting & set(listed(statement["Action"]))):
             required = statement["Condition"]["StringEquals"]["iam:PermissionsBoundary"]["Fn::Sub"]
             assert required.endswith(f":policy/{boundary}"), statement["Sid"]
             found |= actions
     assert found == granting
-    (denied,) = (s for s in statements(role) if s["Effect"] == "Deny")
-    assert any(resource["Fn::Sub"].endswith(f":policy/{boundary}") for resource in denied["Resource"])
-    actions = [a for s in statements(role) for a in listed(s["Action"])]
+    denied = BY_SID["NotItself"]["Resource"]
+    assert any(resource["Fn::Sub"].endswith(f":policy/{boundary}") for resource in denied)
+    actions = [a for s in STATEMENTS for a in listed(s["Action"])]
     assert "iam:DeleteRolePermissionsBoundary" not in actions
 
 
-def test_policies_fit_into_iam(role: dict[str, Any]) -> None:
-    for name, resource in role.items():
-        if resource["Type"] == "AWS::IAM::ManagedPolicy":
-            text = json.dumps(resource["Properties"]["PolicyDocument"], separators=(",", ":"))
-            # The longest partition, account and region that a `!Sub` may stand for are no longer than itself.
-            size = len(re.sub(r'\{"Fn::Sub":("[^"]*")\}', r"\1", text))
-            assert size <= MAX_POLICY_CHARACTERS, name
+def test_policies_fit_into_iam() -> None:
+    for name, policy in POLICIES.items():
+        text = json.dumps(policy["PolicyDocument"], separators=(",", ":"))
+        # The longest partition, account and region that a `!Sub` may stand for are no longer than itself.
+        size = len(re.sub(r'\{"Fn::Sub":("[^"]*")\}', r"\1", text))
+        assert size <= MAX_POLICY_CHARACTERS, name

@@ -2,8 +2,9 @@
 
 import functools
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -36,8 +37,8 @@ make_requester = functools.cache(smoke.make_requester)
 def found(address: str, change: Change | None = None) -> list[str]:
     ask = make_requester(address)
 
-    def changed(method: str, path: str, headers: Mapping[str, str], body: bytes | None) -> httpx.Response:
-        heard = ask(method, path, headers, body)
+    def changed(method: str, path: str, *sent: Any) -> httpx.Response:
+        heard = ask(method, path, *sent)
         return change(method, path, heard) if change else heard
 
     return list(smoke.problems(changed, smoke.Site(address), patience_s=0))

@@ -1,7 +1,5 @@
 """The pages' detector: the committed files are those of its build, and find what the Python package finds."""
 
-from __future__ import annotations
-
 import dataclasses
 import hashlib
 import json

@@ -1,11 +1,12 @@
 """The site that is made of page sources: one frame, every language, addresses that hold in every folder."""
 
+import functools
 import json
 import posixpath
 import re
 import shutil
-from collections.abc import Mapping
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import pytest
 
@@ -31,17 +32,13 @@ PAGE = """<!doctype html>
 """
 
 
-@pytest.fixture(scope="module")
-def made() -> Mapping[str, bytes]:
-    return site.made_files()
+@functools.cache
+def pages() -> dict[str, str]:
+    return {key: content.decode() for key, content in site.made_files().items() if key.endswith(".html")}
 
 
-def pages(made: Mapping[str, bytes]) -> dict[str, str]:
-    return {key: content.decode() for key, content in made.items() if key.endswith(".html")}
-
-
-def test_every_page_is_there_in_every_language_with_its_texts(made: Mapping[str, bytes]) -> None:
-    found = pages(made)
+def test_every_page_is_there_in_every_language_with_its_texts() -> None:
+    found = pages()
     for folder, language, words in (("", "en", "Cameras"), ("de/", "de", "Kameras"), ("uk/", "uk", "Камери")):
         page = found[f"{folder}cameras/index.html"]
         assert f'<html lang="{language}">' in page
@@ -51,8 +48,8 @@ def test_every_page_is_there_in_every_language_with_its_texts(made: Mapping[str,
         assert not re.search(r'data-t="([\w.]+)"[^>]*>\1<', page), key
 
 
-def test_one_head_header_and_footer_on_all_pages(made: Mapping[str, bytes]) -> None:
-    for key, page in pages(made).items():
+def test_one_head_header_and_footer_on_all_pages() -> None:
+    for key, page in pages().items():
         for once in ('<meta charset="utf-8">', 'name="viewport"', 'rel="icon"', 'href="/style.css"'):
             assert page.count(once) == 1, (key, once)
         assert page.count('class="skip"') == 1, key
@@ -61,8 +58,8 @@ def test_one_head_header_and_footer_on_all_pages(made: Mapping[str, bytes]) -> N
         assert navigations == page.count('<details class="menu">'), key
 
 
-def test_pages_share_the_fields_of_boards_and_the_consent(made: Mapping[str, bytes]) -> None:
-    found = pages(made)
+def test_pages_share_the_fields_of_boards_and_the_consent() -> None:
+    found = pages()
     for key, page in found.items():
         assert "<div data-part" not in page, key
         ids = re.findall(r' id="([^"]+)"', page)
@@ -71,35 +68,38 @@ def test_pages_share_the_fields_of_boards_and_the_consent(made: Mapping[str, byt
         assert sum(f'id="{part}"' in page for page in found.values()) == 3 * sharing  # in three languages
 
 
-def test_every_address_on_every_page_leads_to_a_file_of_the_site(made: Mapping[str, bytes]) -> None:
-    files = {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()} | set(
-        made
-    )
+def test_every_address_on_every_page_leads_to_a_file_and_an_anchor() -> None:
+    made = site.made_files()
+    files = {path.relative_to(site.WEB).as_posix() for path in site.WEB.rglob("*") if path.is_file()}
+    every = pages()
+    ids = {key: set(re.findall(r'\bid="([^"]+)"', page)) for key, page in every.items()}
     checked = 0
-    for key, page in pages(made).items():
-        for address in re.findall(r'(?:href|src)="([^"#?:]+)[^":]*"', page):
-            there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), address))[1:]
-            if address.endswith("/") or not there:
+    for key, page in every.items():
+        for address in re.findall(r'(?:href|src)="([^"]*)"', page):
+            parts = urlsplit(address)
+            if parts.scheme or parts.path.startswith("/dumps/"):  # objects that the weekly dump writes
+                continue
+            there = posixpath.normpath(posixpath.join("/", posixpath.dirname(key), parts.path))[1:]
+            there = there if parts.path else key
+            if parts.path.endswith("/") or not there:
                 there = posixpath.join(there, "index.html")
-            if there.startswith("dumps/"):
-                continue  # objects that the weekly dump writes
-            assert there in files, (key, address, there)
+            assert there in files | made.keys(), (key, address, there)
+            if parts.fragment and there in ids:
+                assert unquote(parts.fragment) in ids[there], (key, address)
             checked += 1
-    assert checked > 1000
+    assert checked > 3000
 
 
-def test_a_page_in_another_language_leads_to_pages_in_that_language(made: Mapping[str, bytes]) -> None:
-    german = pages(made)["de/board/index.html"]
+def test_a_page_in_another_language_leads_to_pages_in_that_language() -> None:
+    german = pages()["de/board/index.html"]
     assert 'href="../cameras/"' in german
     assert '<link rel="alternate" hreflang="uk" href="/uk/board/">' in german
     assert '<link rel="canonical" href="/de/board/">' in german
     assert '<script src="/language.js"></script>' in german
 
 
-def test_a_page_contains_the_messages_that_it_may_show_in_its_language(
-    made: Mapping[str, bytes],
-) -> None:
-    every = pages(made)
+def test_a_page_contains_the_messages_that_it_may_show_in_its_language() -> None:
+    every = pages()
 
     def texts(key: str) -> dict[str, object]:
         (found,) = re.findall(r'<script type="application/json" id="messages">(.*?)</script>', every[key])
@@ -119,8 +119,9 @@ def test_a_page_contains_the_messages_that_it_may_show_in_its_language(
         assert not re.search(r' data-t="[^"]+"[^>]*></', page), f"{key}: a text is not in its place"
 
 
-def test_pages_can_be_installed(made: Mapping[str, bytes]) -> None:
-    for key, page in pages(made).items():
+def test_pages_can_be_installed() -> None:
+    made = site.made_files()
+    for key, page in pages().items():
         assert page.count('<link rel="manifest" href="/manifest.json">') == 1, key
     manifest = json.loads((site.WEB / "manifest.json").read_text())
     assert {"name", "start_url", "display"} <= manifest.keys()
@@ -129,8 +130,9 @@ def test_pages_can_be_installed(made: Mapping[str, bytes]) -> None:
         assert f"{address[1:]}index.html" in made
 
 
-def test_pages_preload_all_modules_that_they_import(made: Mapping[str, bytes]) -> None:
-    page = pages(made)["calibrate/index.html"]
+def test_pages_preload_all_modules_that_they_import() -> None:
+    made = site.made_files()
+    page = pages()["calibrate/index.html"]
     preloaded = set(re.findall(r'rel="modulepreload" href="/([^"]+)"', page))
     reached, imports = {"calibrate/main.js"}, re.compile(r'(?:from|import)\s*"(\.[^"]+)"')
     waiting = set(reached)
@@ -147,7 +149,8 @@ def test_pages_preload_all_modules_that_they_import(made: Mapping[str, bytes]) -
     assert len(reached) > 30
 
 
-def test_scripts_of_the_site_keep_their_names_and_lose_their_comments(made: Mapping[str, bytes]) -> None:
+def test_scripts_of_the_site_keep_their_names_and_lose_their_comments() -> None:
+    made = site.made_files()
     assert b"export function addMessages(" in made["lib/i18n.js"]
     assert b"/**" not in made["lib/i18n.js"]
     assert len(made["sdk/projection.js"]) < 0.6 * (site.WEB / "sdk/projection.js").stat().st_size
