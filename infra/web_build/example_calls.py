@@ -32,6 +32,8 @@ class Call:
     body: Any = None
     query: Mapping[str, str] = field(default_factory=dict)
     accept: str | None = None
+    path_values: Mapping[str, str] = field(default_factory=dict)
+    """Example values of the path's parameters, without those of ids."""
 
 
 def calls() -> Iterator[Call]:
@@ -50,6 +52,7 @@ def calls() -> Iterator[Call]:
             operation.example,
             dict(operation.example_query),
             operation.example_accept,
+            operation.example_path,
         )
 
 

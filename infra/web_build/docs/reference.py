@@ -15,7 +15,6 @@ from infra.web_build.operation import Node
 REFERENCE = f"{FOLDER}reference/index.html"
 SCRIPT = f"{FOLDER}reference.js"
 _JSON = "application/json"
-_PATH_VALUES = {"index": "0", "file": "1280x720.svg"}
 _MAX_ROWS = 12  # of a field for a body
 _CREDENTIALS = {
     "apiToken": "API token",
@@ -117,7 +116,7 @@ def _operation(
         parts.append("<h3>Body</h3>" + table(body, with_required=True))
     parts.append(_samples(name, call))
     parts.append(_answer(node, shown))
-    parts.append(_trial(name, call, node))
+    parts.append(_trial(name, path, call, node))
     parts.append("</section>")
     return "\n".join(parts)
 
@@ -186,7 +185,7 @@ def _fields(schema: Node, shown: dict[str, str], node: Node) -> str:
     return f"<details><summary>Fields of the response</summary>{fields_table}</details>"
 
 
-def _trial(name: str, call: Call, node: Node) -> str:
+def _trial(name: str, path: str, call: Call, node: Node) -> str:
     """Make the form that sends the request; `docs/reference.js` shows and reads it."""
     credential = next((one for each in node.get("security", ()) for one in each), "")
     inputs = []
@@ -195,27 +194,18 @@ def _trial(name: str, call: Call, node: Node) -> str:
         inputs.append(_input(name, "credential", label[0].upper() + label[1:], ""))
     for each in node.get("parameters", ()):
         if not each.get("deprecated"):
-            value = {**call.query, **_PATH_VALUES}.get(each["name"], "")
+            value = {**call.query, **call.path_values}.get(each["name"], "")
             inputs.append(_input(name, f"{each['in']}-{each['name']}", each["name"], value))
     if call.body is not None:
         inputs.append(_body_input(name, format_json(call.body)))
     accept = f' data-accept="{call.accept}"' if call.accept else ""
     return (
         f'<details class="trial"><summary>Try it</summary><form data-operation="{name}" '
-        f'data-method="{call.method}" data-path="{escape(_template(call.path))}" '
+        f'data-method="{call.method}" data-path="{escape(path)}" '
         f'data-credential="{credential}"{accept}>{"".join(inputs)}'
         '<div class="actions"><button class="primary" type="submit">Send</button></div>'
         '<div class="trial-answer" role="status"></div></form></details>'
     )
-
-
-def _template(path: str) -> str:
-    """Return a path with names in braces again, where an example stands."""
-    names = {"CALIBRATION_ID": "{id}", "RIG_ID": "{id}", "CAMERA_KEY": "{key}"}
-    names |= {"/views/0": "/views/{index}", "/moments/m1": "/moments/{moment}"}
-    for example, name in (names | {f"/{_PATH_VALUES['file']}": "/{file}"}).items():
-        path = path.replace(example, name)
-    return path
 
 
 def _body_input(name: str, text: str) -> str:

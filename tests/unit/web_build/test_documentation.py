@@ -105,6 +105,20 @@ def test_every_call_has_a_group_a_description_and_an_example() -> None:
             assert body is None or body["example"], operation["operationId"]
 
 
+def test_every_form_of_the_reference_sends_what_its_fields_say() -> None:
+    forms: dict[str, str] = {}
+    for key, page in site.made_files().items():
+        if "docs/reference/" in key and key.endswith(".html"):
+            found = re.findall(r'<form data-operation="(\w+)"(.*?)</form>', page.decode(), re.DOTALL)
+            forms |= dict(found)
+    assert set(forms) == {operation.name for operation in OPERATIONS}
+    for operation in OPERATIONS:
+        form = forms[operation.name]
+        assert f'data-path="{operation.path}"' in form
+        fields = set(re.findall(r'name="path-(\w+)"', form))
+        assert fields == set(re.findall(r"{(\w+)}", operation.path)), operation.name
+
+
 def test_no_page_of_the_documentation_has_a_script_or_style_of_its_own() -> None:
     made = site.made_files()
     for key in [key for key in made if "docs/" in key and key.endswith(".html")]:
