@@ -13,7 +13,7 @@ from .members import Members
 
 
 def is_calibration(members: Members) -> bool:
-    """True if a mapping is such a calibration."""
+    """True if a mapping is a calibration."""
     return all(name in members for name in ("projection", "width", "height", "f"))
 
 
@@ -23,9 +23,9 @@ def is_sensor(members: Members) -> bool:
 
 
 def read_sensor(data: Mapping[Any, Any]) -> ImportedFile:
-    """Read a sensor of a parsed cameras.xml: its adjusted calibration; CalibrationError ``malformed``.
+    """Read the adjusted calibration of a sensor; CalibrationError ``malformed``.
 
-    In the document a calibration's type stands for its projection, and its size is that of the sensor.
+    In a document the type of a calibration stands for its projection, and its size is that of the sensor.
     """
     members = Members(data)
     calibrations = members.get("calibration")
@@ -45,18 +45,18 @@ def read_sensor(data: Mapping[Any, Any]) -> ImportedFile:
 def read(data: Mapping[Any, Any]) -> ImportedFile:
     """Read a parsed calibration; CalibrationError ``malformed``.
 
-    Source of the model: Agisoft Metashape user manual, appendix "Camera models". Pixels are counted from the
-    image's corner, so that half a pixel comes off.
+    Source: Agisoft Metashape user manual, appendix "Camera models". Pixels are counted from the image's
+    corner.
     """
     members = Members(data)
 
     def value(name: str) -> float:
-        return float(text.floats(members.get(name) if name in members else 0.0, name, 1, 1)[0])
+        return text.scalar(members.get(name) if name in members else 0.0, name)
 
     kind = str(members.get("projection")).lower()
     if kind not in ("frame", "fisheye"):
         raise text.refuse(f"the projection {kind[:40]!r} is not supported, frame and fisheye are")
-    size = (text.count(members.get("width"), "width"), text.count(members.get("height"), "height"))
+    size = text.width_height((members.get("width"), members.get("height")))
     if (
         value("b2")
         or (kind == "frame" and value("k4"))

@@ -1,4 +1,4 @@
-"""Base of every file format: capabilities and writer."""
+"""Values that pass between formats and their callers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,16 +16,14 @@ MAX_INVISIBLE_PX = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ExportSource:
-    """Calibration to be written, with its measurements and its origin.
+    """Calibration to be written.
 
     Attributes
     ----------
-    camera
-        The calibrated camera.
     views
         The measurements it was fitted to; may be none.
     board
-        The board that the views show, where it is one board.
+        The board that the views show, if it is one board.
     name, identifier
         The camera's label, and the calibration's id.
     rms
@@ -52,8 +50,6 @@ class Conversion:
 
     Attributes
     ----------
-    camera
-        Camera of the file.
     error
         px, largest distance between where the two project the same ray, over what is covered.
     coverage
@@ -99,15 +95,7 @@ ANY_MODEL = tuple(ModelConstraint(model) for model in models.NAMES)
 
 @dataclass(frozen=True)
 class ExportedFile:
-    """A file.
-
-    Attributes
-    ----------
-    content, media_type, filename
-        Body, media type and file name of a download.
-    error, coverage, warning
-        See `Conversion`.
-    """
+    """A file for download; `error`, `coverage` and `warning` as of `Conversion`."""
 
     content: bytes
     media_type: str
@@ -130,10 +118,9 @@ class ImportedFile:
     name
         The camera's name in the file, or "".
     cameras
-        Names of all cameras in the file, in the order of their numbers, where there are several.
+        Names of all cameras in a file with several, in the order of their numbers.
     error
-        px, largest distance between the projections by the file's camera and by this one: of a model that
-        calibsolver does not have.
+        px, largest distance from the projections by the file's camera, if calibsolver lacks its model.
     """
 
     camera: Camera | None
@@ -150,14 +137,13 @@ class ReaderOptions:
     Attributes
     ----------
     img_size
-        Width and height of the pictures, px, for files that do not state them.
+        Width and height of the pictures, px.
     number
         Number of the camera in a file with several, from 0.
     squares
         Columns and rows of the board, for tables of corners.
     model
-        Distortion model of coefficients that could be of two: four without a name are k1 k2 p1 p2, or a
-        fisheye's k1 to k4.
+        Distortion model of coefficients without a name: four are k1 k2 p1 p2, or a fisheye's k1 to k4.
     """
 
     img_size: tuple[int, int] | None = None

@@ -17,7 +17,7 @@ from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reading import read, read_text
+from calibsolver.formats.reading import read, read_bytes
 from calibsolver.formats.web import projection_matrix
 from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject, written
 
@@ -75,7 +75,7 @@ def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
         found = (
             read(json.loads(text))
             if name == "photonvision"
-            else read_text(text, ReaderOptions(squares=(9, 6)))
+            else read_bytes(file.content, options=ReaderOptions(squares=(9, 6)))
         )
         assert grid(found.views).squares == (9, 6)
         assert sum(len(view) for view in found.views) == sum(len(view) for view in mine.views)

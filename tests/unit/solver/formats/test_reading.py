@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from calibsolver import CalibrationError, View, formats, models
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reading import read, read_text
+from calibsolver.formats.reading import read, read_bytes
 from infra.ops import OpsError
 from infra.ops.imports import read_file
 from tests.helpers.data import corner_set, corner_views
@@ -140,7 +140,7 @@ def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         ),
     ):
         with pytest.raises(CalibrationError, match=reason):
-            read_text(content)
+            read_bytes(content.encode())
     for name, text, reason in (
         ("bomb.yaml", "a: &a [1, 1]\nb: &b [*a, *a]\nc: [*b, *b]\n", "aliases"),
         ("deep.yaml", "a: " + "[" * 500 + "]" * 500, "nested too deeply"),
