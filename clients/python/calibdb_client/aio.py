@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _End:
-    """End of a conversation, and its result."""
+    """Result of a conversation that has ended."""
 
     value: Any
 
@@ -32,7 +32,7 @@ class _End:
 def awaited(
     call: Callable[Concatenate[Client, P], T], *, in_thread: bool = False
 ) -> Callable[Concatenate[AsyncClient, P], Coroutine[Any, Any, T]]:
-    """Make the asynchronous twin of a call of `Client`; its own work runs `in_thread` if it takes long."""
+    """Make the asynchronous twin of a call of `Client`; `in_thread` if its own work takes long."""
     conversation: Callable[..., Flow[T]] = inspect.unwrap(call)
 
     @functools.wraps(call)
@@ -92,7 +92,6 @@ class AsyncClient(Service):
     check_against = awaited(Client.check_against, in_thread=True)
 
     async def _run(self, flow: Flow[T], in_thread: bool) -> T:
-        """Drive a conversation to its end; its own work `in_thread`, if it takes long."""
         steps = self._connection.steps(flow)
 
         def advance(outcome: Reply | Failure | None) -> dict[str, Any] | float | _End:

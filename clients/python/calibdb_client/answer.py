@@ -21,17 +21,15 @@ class Answer:
     ----------
     calibration
         None if nothing reliable is known.
-    reason
-        Word for why there is none: ``unknown_camera``, ``too_few``, ``disagree``,
-        ``few_contributors`` or ``imprecise``; else "".
-    detail
-        The reason in a sentence.
+    reason, detail
+        Word for why there is none, and a sentence: ``unknown_camera``, ``too_few``, ``disagree``,
+        ``few_contributors`` or ``imprecise``.
     guidance_url
         Page that calibrates the camera in a browser; "" if there is a calibration.
     source
         Place of the answer: this machine's cache, the edge, or the service.
     estimate
-        Likely camera where nothing reliable is known; None if there is a calibration.
+        Likely camera; None if there is a calibration.
     """
 
     calibration: Calibration | None

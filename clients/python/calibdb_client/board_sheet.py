@@ -59,10 +59,7 @@ def pdf(board: Board, paper: str = "a4", square_mm: float | None = None) -> byte
 
 
 def png(board: Board, square_px: int = 120) -> bytes:
-    """Return a picture of the board with a margin of half a square.
-
-    Raises UsageError for a size that is too small or too large.
-    """
+    """Return a picture of the board with a margin of half a square. Raises UsageError for a wrong size."""
     cv2 = opencv()
     w, h = (round(square_px * (n + 1)) for n in board.size)
     if not square_px >= 16 or max(w, h) > MAX_PNG_PX:
@@ -79,7 +76,7 @@ def png(board: Board, square_px: int = 120) -> bytes:
 def black(board: Board) -> Iterator[Rectangle]:
     """Yield the printed cells: left, top, width, height, board units from the top left, y down.
 
-    Of an inverted board these are white, on black.
+    Those of an inverted board are white, on black.
     """
     columns, rows = board.squares
     if board.kind == "aprilgrid":
@@ -145,7 +142,6 @@ def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Re
 
 
 def _details(board: Board, side: float) -> str:
-    """Describe the board, its squares or tags in millimetres."""
     if board.kind in CIRCLES:
         return f"{board}, {side:g} mm from row to row"
     unit = "tags" if board.kind == "aprilgrid" else "squares"
@@ -179,7 +175,6 @@ def _pt(millimetres: float) -> float:
 
 
 def _document(w: float, h: float, content: str) -> bytes:
-    """Return a PDF of one page."""
     stream = content.encode("ascii")
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R >>",

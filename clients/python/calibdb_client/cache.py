@@ -1,4 +1,4 @@
-"""Answers of the edge, kept on disk for as long as the service allows; no credential is in them."""
+"""Cache on disk of the edge's answers, for as long as the service allows; no credential is in them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,7 @@ MAX_AGE_S = 24 * 3600
 
 
 class Cache:
-    """Answers by address, files of one folder that only its owner can read.
-
-    Parameters
-    ----------
-    folder
-        It is made when something is stored.
-    clock
-        Unix seconds.
+    """Answers by address, in a folder that only its owner can read. `clock` gives Unix seconds.
 
     A cache that cannot be read or written is an empty one: no lookup fails for that.
     """

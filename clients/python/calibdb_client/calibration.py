@@ -32,13 +32,7 @@ _NATIVE = "calibdb"
 
 @dataclass(frozen=True, eq=False)
 class CameraRecord:
-    """A camera.
-
-    Attributes
-    ----------
-    record
-        All that the service answered, under its names (docs/api.md).
-    """
+    """A camera; `record` is all that the service answered, under its names (docs/api.md)."""
 
     record: Mapping[str, Any]
 
@@ -65,10 +59,7 @@ class CameraRecord:
 
     @cached_property
     def lens(self) -> calibsolver.Camera:
-        """The camera model, of which `project` and `unproject` of a calibration are shorthands.
-
-        Raises UsageError for a model that this version does not know.
-        """
+        """The camera model. Raises UsageError for a model that this version does not know."""
         try:
             return calibsolver.Camera.from_record(self.record)
         except calibsolver.CalibrationError as error:
@@ -192,12 +183,7 @@ class Calibration(CameraRecord):
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the tables (h, w) for `cv2.remap`: the place in the picture of every rectified pixel.
 
-        Parameters
-        ----------
-        matrix
-            (3, 3) camera matrix of the rectified picture; the calibration's own unless given.
-        size
-            Width and height of the rectified picture, px; the calibration's unless given.
+        `matrix` (3, 3) and `size`, px, are those of the rectified picture; by default the calibration's own.
         """
         try:
             return undistortion.remap_tables(self.lens, matrix, size)
@@ -209,9 +195,7 @@ class Calibration(CameraRecord):
         return self.remap_tables()
 
     def undistort(self, frame: Any, matrix: object = None, size: Sequence[int] | None = None) -> Any:
-        """Return the rectified picture of a frame (h, w) or (h, w, c); needs OpenCV.
-
-        `matrix` and `size` as in `remap_tables`.
+        """Return the rectified picture of a frame (h, w) or (h, w, c) by `remap_tables`; needs OpenCV.
 
         Raises UsageError if the frame has another size.
         """
@@ -254,10 +238,9 @@ class Calibration(CameraRecord):
         }
 
     def save(self, path: str | Path, format: str | None = None) -> ExportedFile:  # noqa: A002 - the contract's name
-        """Write a file of one of the formats of docs/formats.md, and return it.
+        """Write a file of one of the formats of docs/formats.md, as a whole or not at all, and return it.
 
         Without a format the suffix of the path says it; one that contradicts the suffix raises UsageError.
-        The file is there as a whole or not at all.
         """
         from . import conversion
 
@@ -282,7 +265,6 @@ class Calibration(CameraRecord):
 
 
 def _rows(values: object, width: int) -> Array:
-    """Return values as an array (n, width). Raises UsageError for values of any other shape."""
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != width:
         raise UsageError(f"an array (n, {width}) is wanted, not {array.shape}")

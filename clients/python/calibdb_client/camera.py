@@ -17,14 +17,10 @@ MAX_READS = 30
 
 
 class Camera:
-    """A `cv2.VideoCapture` with a label. Whatever else is asked of it is asked of the capture.
-
-    OpenCV's class cannot be derived from, so the capture is a member.
+    """A `cv2.VideoCapture`, which cannot be derived from, with a label. Its attributes are also the camera's.
 
     Attributes
     ----------
-    capture
-        The `cv2.VideoCapture`.
     label, platform
         Label and platform that Chromium uses on this machine.
     img_size
@@ -45,7 +41,6 @@ class Camera:
         return f"Camera({self.label!r}, {self.img_size[0]}x{self.img_size[1]})"
 
     def __getattr__(self, name: str) -> Any:
-        """Return an attribute of the capture."""
         if name == "capture":  # while it is being made
             raise AttributeError(name)
         return getattr(self.capture, name)
@@ -63,14 +58,9 @@ class Camera:
 
 
 def open_camera(camera: int | str, size: tuple[int, int] | None = None) -> Camera:
-    """Open a camera of this machine.
+    """Open a camera of this machine by its index, path, or a part of its label.
 
-    Parameters
-    ----------
-    camera
-        Index, path, or a part of the label.
-    size
-        Width and height that the pictures must have, px; unless given, the camera's own.
+    `size`: width and height that the pictures must have, px; by default the camera's own.
 
     Raises CameraError if it is not there, busy, or has no such size; MissingPackageError without OpenCV.
     """

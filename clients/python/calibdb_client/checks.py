@@ -1,4 +1,4 @@
-"""Checks of the database's calibration of a camera, or of one at hand, on a few fresh views."""
+"""Checks of a calibration on a few fresh views."""
 
 from __future__ import annotations
 
@@ -32,16 +32,12 @@ class CheckResult:
 
     Attributes
     ----------
-    fits
-        True if the calibration fits the views.
     error, expected
         px rms of the views under it, and under their own fit.
     counted
         True if the check counts as a vote.
     votes
         Number of votes that agree, and that disagree.
-    calibration
-        The calibration that was checked.
     record
         All that the service answered.
     """
@@ -76,7 +72,7 @@ def check(
 
 
 def ask(body: Mapping[str, Any]) -> Flow[Mapping[str, Any]]:
-    """Open a session, and have the service check what the body of the request describes."""
+    """Have the service check, in a new session, what the body of the request describes."""
     reply = yield Request("POST", "v1/auth")
     reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
     return reply.json
@@ -88,7 +84,7 @@ def body_of(recording: Recording, count: int) -> dict[str, Any]:
 
 
 def views_of(recording: Recording, count: int) -> dict[str, Any]:
-    """Return the members of a request that say what was seen: the board, and `count` views at most."""
+    """Return the board, and `count` views at most, as the members of a request."""
     views = most_different(recording, count)
     return {
         "board": recording.board.record(),

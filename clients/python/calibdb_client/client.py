@@ -1,4 +1,4 @@
-"""The client: the service's calls as methods, each a conversation that the client drives."""
+"""The client: the service's calls as methods."""
 
 from __future__ import annotations
 
@@ -40,10 +40,7 @@ Q = ParamSpec("Q")
 
 
 class Service:
-    """Base of both clients: the connection to a service, and its cached answers.
-
-    `url`, `token`, `timeout`, `attempts` and `cache` as of `Client`.
-    """
+    """Base of both clients: the connection to a service, and its cache."""
 
     def __init__(
         self, url: str | None, token: str | None, timeout: float, attempts: int, cache: bool | str | Path
@@ -92,10 +89,8 @@ class Client(Service):
 
     Parameters
     ----------
-    url
-        Address of the service; `CALIBDB_URL` unless given.
-    token
-        API token; `CALIBDB_TOKEN` unless given.
+    url, token
+        Address of the service and API token; `CALIBDB_URL` and `CALIBDB_TOKEN` by default.
     timeout
         Seconds for an answer.
     attempts
@@ -105,8 +100,7 @@ class Client(Service):
     transport, sleep
         For tests: replaces the network, and the pauses between attempts.
 
-    A call is written as a conversation, `Flow[T]`; the client drives it and returns its result, `T`. Every
-    call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
+    Every call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
     """
 
     def __init__(
@@ -160,16 +154,14 @@ class Client(Service):
             An open camera, a `CameraKey`, or a label as a browser gives it.
         platform, size, zoom
             As in `key_of`; they replace what the camera says.
-        model
-            Distortion model.
         device
             Model identifier of a phone, such as ``iPhone17,3``.
         reported
             Field of view that the device reports: ``focal_35mm`` in mm, ``hfov_deg`` or ``dfov_deg``. Only
             the estimate uses it.
         views
-            Views of the camera in the mode in which it is. Where its calibrations fall into groups, the
-            estimate is the group that fits; at most five views are sent.
+            Views of the camera in the mode in which it is. If its calibrations fall into groups, the estimate
+            is the group that fits; at most five views are sent.
         """
         key = key_of(camera, platform, size, zoom).with_device(device)
         facts = flows.facts(reported, views)
@@ -196,8 +188,8 @@ class Client(Service):
 
         Parameters
         ----------
-        identifier, format
-            Id of the calibration or consensus, name of the format.
+        identifier
+            Id of the calibration or consensus.
         crop
             Left, top, width, height of the part that is cut out first, px.
         resize
@@ -247,9 +239,8 @@ class Client(Service):
 
         Parameters
         ----------
-        recording, model
-            The views, and the distortion model; ``auto`` is the one that predicts views best that it did not
-            see.
+        model
+            Distortion model; ``auto`` is the one that predicts views best that it did not see.
         progress
             Called with the number of views sent, and of all views.
         licence
@@ -282,14 +273,14 @@ class Client(Service):
             An open camera, an index, path or name of one here, the address of a stream, a video file, or any
             object with `read()`.
         model, licence, mode_name
-            Distortion model, of ``auto`` rectilinear; the others as in `submit`.
+            As in `submit`; ``auto`` is rectilinear.
         keep
             Called with the recording after every view, to save it.
         options
             As in `CaptureOptions`.
 
-        Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; what was captured until then
-        is in their `recording`.
+        Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; their `recording` is what was
+        captured.
         """
         from .capture.operation import prepare
 
@@ -354,7 +345,7 @@ class Client(Service):
         camera
             The camera that took them, or its label; the size is the pictures'.
         board
-            The board; recognised unless given.
+            Recognised by default.
         platform, zoom
             As in `key_of`; ``photographs`` is the platform of a bare label.
         model, licence, mode_name
@@ -376,10 +367,7 @@ class Client(Service):
         model: str = AUTO,
         square_size: float | None = None,
     ) -> RigResult:
-        """Calibrate cameras that do not move against each other from a folder of pictures of each.
-
-        On this machine: nothing is sent. Parameters and errors as of `offline.calibrate_rig`.
-        """
+        """Calibrate a rig on this machine; nothing is sent. Parameters as of `offline.calibrate_rig`."""
         from .rig_pictures import calibrate_rig
 
         return calibrate_rig(folders, board=board, model=model, square_size=square_size)
@@ -391,7 +379,6 @@ class Client(Service):
         return Rig(record, self.rig_file, self.export)
 
     def _run(self, flow: Flow[T]) -> T:
-        """Drive a conversation to its end."""
         steps, outcome = self._connection.steps(flow), None
         try:
             while True:

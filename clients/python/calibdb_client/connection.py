@@ -24,18 +24,14 @@ MAX_ATTEMPTS = 4
 
 @dataclass(frozen=True)
 class Connection:
-    """A service, and how it is spoken to.
+    """A service, and how it is spoken to; parameters as of `Client`.
 
     Attributes
     ----------
     site
         Its address, without `/v1` and without a slash at the end.
     token
-        API token; "" if there is none: then only the edge answers.
-    timeout
-        Seconds for an answer.
-    attempts
-        Number of times that a request is sent before its failure is believed.
+        "" if there is none: then only the edge answers.
     """
 
     site: str
@@ -61,7 +57,7 @@ class Connection:
         return cls(address, credential, timeout, attempts)
 
     def arguments(self) -> dict[str, Any]:
-        """Return the arguments of httpx's clients. Proxies and CAs are the environment's, as usual."""
+        """Return the arguments of httpx's clients. Proxies and CAs are the environment's."""
         return {
             "timeout": httpx.Timeout(self.timeout, connect=min(CONNECT_TIMEOUT_S, self.timeout)),
             "headers": {"user-agent": f"calibdb-client/{__version__}"},
@@ -69,10 +65,7 @@ class Connection:
         }
 
     def steps(self, flow: Flow[T]) -> Generator[dict[str, Any] | float, Reply | Failure | None, T]:
-        """Turn a conversation into messages to be sent, whose outcomes it takes, and pauses in seconds.
-
-        A request is sent until it is answered, at most as often as is allowed.
-        """
+        """Turn a conversation into messages to be sent, whose outcomes it takes, and pauses in seconds."""
         try:
             request = next(flow)
             while True:
@@ -142,7 +135,7 @@ class Body:
 
 
 def failure(error: Exception) -> Failure:
-    """Return the failure that an exception of httpx stands for, in a few words without addresses."""
+    """Return the failure that an exception of httpx stands for, without addresses."""
     if isinstance(error, httpx.TimeoutException):
         return Failure("no response in time")
     if isinstance(error, httpx.ConnectError):

@@ -79,18 +79,10 @@ def write(
     recording: Recording | None = None,
     change: PictureChange = UNCHANGED,
 ) -> ExportedFile:
-    """Write a calibration's record as a file of another tool.
+    """Write a calibration's record as a file of another tool, for the changed picture.
 
-    Parameters
-    ----------
-    record, name
-        The calibration, and the format.
-    recording
-        The corners it was made of: a format that lacks its model is fitted to them.
-    change
-        Change of the picture that the file is for.
-
-    Raises UsageError if the format does not support the camera.
+    A format that lacks its model is fitted to the corners of the recording. Raises UsageError if the format
+    does not support the camera.
     """
     try:
         camera = Camera.from_record(record)

@@ -11,13 +11,7 @@ if TYPE_CHECKING:
 
 
 class CalibDBError(Exception):
-    """Base of every error that the client raises on purpose.
-
-    Attributes
-    ----------
-    recording
-        Views that were captured before it; None if there are none. Nothing that was captured is lost.
-    """
+    """Base of every error that the client raises on purpose; `recording` has the views captured before it."""
 
     exit_status = 1
     recording: Recording | None = None
@@ -65,15 +59,7 @@ class MirroredError(CaptureError):
 
 @dataclass(frozen=True)
 class FieldProblem:
-    """One field of a request that the service refused.
-
-    Attributes
-    ----------
-    field
-        Its path, joined by dots.
-    detail
-        The reason.
-    """
+    """One field of a request that the service refused: its path, joined by dots, and the reason."""
 
     field: str
     detail: str
@@ -84,12 +70,8 @@ class ProblemError(CalibDBError):
 
     Attributes
     ----------
-    status
-        HTTP status.
     kind
         Identifier of the kind of error: what follows the last `#` or `/` of `type`.
-    type, title, detail
-        Values of the response.
     errors
         Fields that were refused.
     retry_after

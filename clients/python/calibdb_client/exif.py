@@ -20,16 +20,9 @@ Entries = dict[int, tuple[int, int, int]]  # tag -> type, count, place of the va
 
 @dataclass(frozen=True)
 class Photograph:
-    """Facts about a photograph.
+    """Facts about a photograph, "" or 0 if missing.
 
-    Attributes
-    ----------
-    make, model, lens
-        Values of the file; "" if missing.
-    size
-        Width and height as the sensor wrote them, px.
-    focal_mm, focal_35mm
-        Focal length, and its equivalent on 35 mm film; 0 if the file does not have it.
+    `size` is as the sensor wrote it, px; `focal_35mm` is the equivalent of `focal_mm` on 35 mm film.
     """
 
     make: str

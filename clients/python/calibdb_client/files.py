@@ -1,4 +1,4 @@
-"""Files that are read and written as a whole, and a calibration as a file of another tool."""
+"""Files that are read and written as a whole."""
 
 from __future__ import annotations
 
@@ -41,8 +41,6 @@ class ExportedFile:
 
     Attributes
     ----------
-    content, filename, media_type
-        Body, file name and media type of a download.
     error
         px, largest distance between the projections by the calibration and by the file; 0: exact.
     coverage

@@ -1,7 +1,7 @@
 """Conversations with the service, without a network: generators that yield requests and are sent replies.
 
-The client and its asynchronous twin drive the same conversations. An error that a reply stands for is raised
-inside the conversation, which may continue without it.
+Both clients drive the same conversations. An error that a reply stands for is raised inside the conversation,
+which may continue without it.
 """
 
 from __future__ import annotations
@@ -125,7 +125,6 @@ def segment(text: str) -> str:
 
 
 def _filename(disposition: str) -> str:
-    """Return the name of a file without any folder; "" if none is given."""
     message = Message()
     message["content-disposition"] = disposition or "attachment"
     name = str(message.get_filename() or "").replace("\\", "/").rpartition("/")[2]

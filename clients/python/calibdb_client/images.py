@@ -1,4 +1,4 @@
-"""Recordings of pictures and videos: the board is recognised unless described."""
+"""Recordings of pictures and videos."""
 
 from __future__ import annotations
 
@@ -24,9 +24,7 @@ def recording_of(
 ) -> Recording:
     """Find the board in pictures, folders of pictures, or one video file.
 
-    Parameters as of `Client.calibrate_images`; `least` views suffice.
-
-    Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
+    At least `least` views must show it. Parameters and errors as of `Client.calibrate_images`.
     """
     board_views = FoundViews()
     sources = [paths] if isinstance(paths, (str, Path)) else list(paths)

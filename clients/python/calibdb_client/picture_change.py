@@ -14,20 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PictureChange:
-    """Change of the picture that a file is written for: cut, then resized, then turned, then mirrored.
+    """Change of a picture: `crop`, then `resize`, `rotate` and `mirror`.
 
-    Attributes
-    ----------
-    crop
-        Left, top, width and height, px.
-    resize
-        Width and height, px.
-    rotate
-        Degrees clockwise.
-    mirror
-        True if left and right are swapped.
-
-    Raises UsageError for numbers that describe no picture.
+    `crop`: left, top, width, height, px; `resize`: width, height, px; `rotate`: degrees clockwise. Raises
+    UsageError for numbers that describe no picture.
     """
 
     crop: Sequence[int] | None = None

@@ -1,4 +1,4 @@
-"""Pictures of a board in files: which are read, and the corners that they show."""
+"""Pictures of a board in files, and the corners that they show."""
 
 from __future__ import annotations
 
@@ -34,18 +34,16 @@ MIN_VIEWS = 4
 
 @dataclass
 class FoundViews:
-    """Views found in pictures so far, and names of pictures without one.
+    """Views found in pictures so far, with their picture's size, px.
 
     Attributes
     ----------
-    views
-        Views with their picture's size, px.
+    empty, unreadable
+        Names of pictures without the board, and of files that are not images.
     frames
         Frames of a video that show the board; 0 for pictures.
     broken
         Sentence about a video that breaks off.
-    empty, unreadable
-        Names of pictures without the board, and of files that are not images.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
@@ -84,10 +82,6 @@ class FoundViews:
         while sum(len(view.ids) for view in views) > MAX_POINTS:
             views = _spread(views, len(views) - 1)
         return size, tuple(views)
-
-    def other_sizes(self, size: tuple[int, int]) -> int:
-        """Count the views of other sizes."""
-        return sum(each != size for each, _ in self.views)
 
     def _nothing(self) -> str:
         if self.unreadable and not self.empty:
@@ -172,8 +166,8 @@ def read(
 ) -> None:
     """Find the board in pictures, and add to `board_views` one by one: an interruption loses nothing.
 
-    Pixels are those of the file: an orientation that the camera wrote next to them is not applied.
-    `mirrored` pictures are turned back. Of more pictures than `most`, as many are read, spread evenly.
+    Pixels are those of the file: an orientation that the camera wrote next to them is not applied. `mirrored`
+    pictures are turned back. At most `most` pictures are read, spread evenly.
     """
     detector = Detector(board, thorough=True)
     chosen = list(paths) if most is None else _spread(list(paths), most)

@@ -22,17 +22,7 @@ _END = "END-OF-PHOTOGRAPHS"  # of a list in the shell script
 
 @dataclass(frozen=True)
 class PhotoGroup:
-    """Photographs of one camera, size and focal length, and what the database says of it.
-
-    Attributes
-    ----------
-    photo
-        Facts that they share.
-    paths
-        The photographs, by name.
-    answer
-        Answer to the lookup: a calibration or an estimate.
-    """
+    """Photographs of one camera, size and focal length, and what the database says of it."""
 
     photo: Photograph
     paths: tuple[Path, ...]
@@ -159,12 +149,12 @@ def _opensfm_name(photo: Photograph) -> str:
 
 
 def openmvg(groups: Sequence[PhotoGroup]) -> str:
-    """Return lines for openMVG's database of sensor widths, whose focal lengths in pixels are these."""
+    """Return lines for openMVG's database of sensor widths."""
     return "".join(f"{make} {model};{width:.4f}\n" for make, model, width in _sensor_widths(groups))
 
 
 def meshroom(groups: Sequence[PhotoGroup]) -> str:
-    """Return lines for Meshroom's database of sensor widths, whose focal lengths in pixels are these."""
+    """Return lines for Meshroom's database of sensor widths."""
     return "".join(f"{make};{model};{width:.4f};calibDB\n" for make, model, width in _sensor_widths(groups))
 
 

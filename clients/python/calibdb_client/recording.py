@@ -1,4 +1,4 @@
-"""Corners that were captured, in a file: made before anything is sent, so that nothing is lost."""
+"""Recordings: captured corners in a file, written before anything is sent, so that nothing is lost."""
 
 from __future__ import annotations
 
@@ -25,15 +25,7 @@ _MEMBER = "recording"
 
 @dataclass(frozen=True)
 class RecordedView:
-    """Corners of one picture.
-
-    Attributes
-    ----------
-    source
-        Name of the file.
-    ids, points
-        Numbers (n) of the corners, and their places (n, 2), px.
-    """
+    """Corners of one picture: the name of its file, numbers (n) and places (n, 2), px."""
 
     source: str
     ids: tuple[int, ...]
@@ -51,18 +43,9 @@ class RecordedView:
 
 @dataclass(frozen=True)
 class Recording:
-    """Views of one camera and one board.
+    """Views of one camera and one board, in the order in which they were taken.
 
-    Attributes
-    ----------
-    key
-        The camera.
-    board
-        The board.
-    views
-        In the order in which they were taken.
-    live
-        True if a guided capture took them, which can continue with them.
+    `live`: a guided capture took them, which can continue with them.
     """
 
     key: CameraKey

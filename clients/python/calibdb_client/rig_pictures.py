@@ -29,10 +29,6 @@ class RigResult:
 
     Attributes
     ----------
-    rig
-        The rig.
-    board
-        The board in its pictures.
     moments
         Number of moments that two cameras or more saw.
     left_out
@@ -45,10 +41,7 @@ class RigResult:
     left_out: tuple[tuple[str, str], ...] = ()
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
-        """Return a sentence on the bend and the print of the board; None if it was taken as drawn.
-
-        It is in millimetres if the side of a square is given.
-        """
+        """Return the sentence `Board.shape_sentence`."""
         return self.board.shape_sentence(self.rig.record.get("board_shape"), square_mm)
 
 
@@ -68,7 +61,7 @@ def calibrate_rig(
         A folder of pictures of each camera. Pictures with the same file name show the same moment; if no
         names are the same, those at the same place in the order of names do.
     board, model
-        The board, recognised unless given; the distortion model, chosen for each camera if ``auto``.
+        The board, recognised by default; the distortion model, chosen for each camera if ``auto``.
     square_size
         Side of a square, or of a tag, metres: lengths are then metres, else squares.
     progress

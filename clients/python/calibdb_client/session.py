@@ -1,4 +1,4 @@
-"""A recording becomes a calibration in a session of the service; results of captures."""
+"""Sessions of the service, and results of captures."""
 
 from __future__ import annotations
 
@@ -37,10 +37,8 @@ class CaptureResult:
 
     Attributes
     ----------
-    calibration
-        The calibration.
     used
-        Number of views behind it.
+        Number of views behind the calibration.
     left_out
         Sources of views that are not, and why.
     suggested_model
@@ -61,7 +59,7 @@ class CaptureResult:
         return self.board_sentence()
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
-        """Return the sentence `board`, in millimetres where the side of a square is given."""
+        """Return the sentence `board`, in millimetres if the side of a square is given."""
         recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
         if recording is None:
             return Board().shape_sentence(shape, None)
@@ -73,14 +71,7 @@ def start(
 ) -> Flow[tuple[str, Mapping[str, Any]]]:
     """Open a session, and return its id and state.
 
-    Parameters
-    ----------
-    recording, model
-        Camera and board, and the distortion model.
-    capture
-        ``live`` or ``recorded``.
-    consent
-        The licence that the contributor agreed to, as `consent_of` gives it.
+    `capture`: ``live`` or ``recorded``; `consent`: members as of `extras_of`.
     """
     reply = yield Request("POST", "v1/auth")
     session = str(reply.json["session_id"])

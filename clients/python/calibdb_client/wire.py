@@ -1,4 +1,4 @@
-"""Requests and replies without a network: what is sent, what is answered, and when to ask again."""
+"""Requests and replies without a network."""
 
 from __future__ import annotations
 
@@ -39,10 +39,7 @@ _ERRORS: Mapping[int, type[ProblemError]] = {
 
 @dataclass(frozen=True)
 class Request:
-    """One HTTP request, relative to the address of the service.
-
-    Every request of the API is idempotent.
-    """
+    """One HTTP request, relative to the address of the service. Every request of the API is idempotent."""
 
     method: str
     path: str
@@ -85,14 +82,8 @@ class Failure:
 def pause(outcome: Reply | Failure, attempt: int, jitter: float) -> float | None:
     """Return the seconds to wait before the request is repeated; None if it should not be.
 
-    Parameters
-    ----------
-    outcome
-        The answer, or the failure.
-    attempt
-        Number of the attempt, from 0.
-    jitter
-        Random number in 0 to 1, so that many clients do not return at the same moment.
+    `attempt` counts from 0; `jitter` is random, 0 to 1, so that many clients do not return at the same
+    moment.
     """
     backoff: float = min(FIRST_WAIT_S * 2**attempt, MAX_WAIT_S) * (0.5 + 0.5 * jitter)
     if isinstance(outcome, Failure):

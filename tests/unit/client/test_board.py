@@ -11,7 +11,7 @@ import pytest
 from calibdb_client import Board, UsageError
 from calibdb_client.board_sheet import black, largest_square_mm, pdf, png
 from calibdb_client.cli import main
-from calibdb_client.cli.board import add_board, chosen_board
+from calibdb_client.cli.options import add_board, chosen_board
 
 
 def test_board_is_black_where_opencv_draws_it() -> None:

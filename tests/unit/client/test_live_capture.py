@@ -28,7 +28,7 @@ from calibdb_client.capture.terminal import Terminal
 from calibdb_client.capture.video import read_video
 from calibdb_client.capture.window import draw
 from calibdb_client.cli import main
-from calibdb_client.cli.capture_options import licence_of
+from calibdb_client.cli.options import licence_of
 from calibdb_client.cli.output import Output
 from calibdb_client.detection import Corners
 from calibdb_client.pictures import FoundViews

@@ -18,18 +18,12 @@ class Scene:
 
     Attributes
     ----------
-    picture
-        The frame (h, w) or (h, w, 3).
     points
         (n, 2) px, corners seen; None: the board is not in sight.
     target
-        The pose that is wanted; None while the service is asked.
-    instruction
-        Next movement, as text.
+        None while the service is asked.
     hold
         0 to 1, part of the time for which the board must be held still.
-    status
-        Course of the capture.
     """
 
     picture: Any

@@ -1,4 +1,4 @@
-"""Frames of a source: an open camera, a video, a stream, or any object with `read()`."""
+"""Frames of a source."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _FRAME_COUNT, _POSITION_MSEC = 7, 0  # of cv2.VideoCapture
 
 
 class Source(Protocol):
-    """Interface of what delivers pictures, as `cv2.VideoCapture` does."""
+    """Source of pictures, as `cv2.VideoCapture` is one."""
 
     def read(self) -> tuple[bool, Any]:
         """Return whether there is a picture, and the picture (h, w) or (h, w, 3), 8 bits."""
@@ -27,16 +27,9 @@ class Source(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One picture.
+    """One picture (h, w) or (h, w, 3), 8 bits; `time` in seconds from any start.
 
-    Attributes
-    ----------
-    picture
-        (h, w) or (h, w, 3), 8 bits.
-    time
-        Seconds, from any start.
-    repeated
-        True if it is identical to the previous image.
+    `repeated`: True if it is identical to the previous one.
     """
 
     picture: Any
@@ -51,17 +44,7 @@ class Frame:
 
 
 class Frames:
-    """Frames of a source, all of one size.
-
-    Parameters
-    ----------
-    source
-        The source.
-    name
-        Its name in errors.
-    clock
-        Seconds. A file has its own time.
-    """
+    """Frames of a source, all of one size. `name` is the source's in errors; a file has its own clock."""
 
     def __init__(
         self,
@@ -80,7 +63,7 @@ class Frames:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of the pictures, px. Raises CaptureError or CameraError if there is no picture."""
+        """Width and height of the pictures, px. Raises CaptureError or CameraError if there is none."""
         if self._size is None:
             self._waiting = self._read()
             if self._waiting is None:
@@ -136,7 +119,6 @@ class Frames:
 
 
 def _property(source: Any, number: int) -> float:
-    """Return a property of a `cv2.VideoCapture`; 0 of what has none."""
     get = getattr(source, "get", None)
     try:
         return float(get(number)) if callable(get) else 0.0

@@ -27,9 +27,7 @@ MAX_GLANCES_S = 180.0
 
 
 def recording_to_check(camera: Any, **options: Unpack[CaptureOptions]) -> Recording:
-    """Return a recording as it is, or take one of three views of a camera, hands-free.
-
-    A view is taken whenever the board is still in another tilt than before.
+    """Return a recording as it is, or take one of three views of a camera, hands-free, in different tilts.
 
     Raises CameraError, CaptureError if it takes longer than three minutes, CaptureInterruptedError.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -11,11 +11,9 @@ import numpy as np
 from calibsolver.arrays import Array
 
 from ..calibration import Calibration
-from ..errors import CaptureError
 from ..flows import Flow
 from ..key import live_model
 from ..offline import calibrate_recording
-from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult, refusal, result_of, start, submit
 from ..wire import Request
@@ -40,8 +38,6 @@ class Target:
         Corners in the picture (n), and their places (n, 2) px.
     outline
         (m, 2) px, edge of the board.
-    purpose, hint
-        Purpose of the view, and the next movement, as text.
     """
 
     index: int
@@ -76,10 +72,6 @@ class Status:
         0 to 1.
     error
         Predicted error over the image, px; None: there is no fit yet.
-    done
-        True if it has converged.
-    advice
-        Sentences about the whole capture.
     """
 
     views: int = 0
@@ -91,15 +83,7 @@ class Status:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Judgement of a view: whether it is in, else why not and what to do; and how far the capture is.
-
-    Attributes
-    ----------
-    accepted, reason, hint
-        True if it counts; otherwise the reason and the next movement are given.
-    status
-        Course of the capture with it.
-    """
+    """Judgement of a view, with the reason and the next movement if it is refused, and the course with it."""
 
     accepted: bool
     status: Status
@@ -120,11 +104,11 @@ class Guide(Protocol):
         """Judge a view."""
 
     def finish(self, recording: Recording) -> Flow[CaptureResult]:
-        """Return the calibration, of a capture that converged or was ended with views enough."""
+        """Return the calibration of a capture that converged or was ended with views enough."""
 
 
 class ServiceGuide:
-    """The service guides: a live session. `make` turns its record into a calibration."""
+    """A live session of the service. `make` turns its record into a calibration."""
 
     def __init__(self, recording: Recording, model: str, make: Maker, consent: Mapping[str, str]) -> None:
         self._recording, self._model, self._make, self._consent = recording, model, make, consent
@@ -171,13 +155,7 @@ class ServiceGuide:
 
 
 class OfflineGuide:
-    """calibsolver guides on this machine.
-
-    Parameters
-    ----------
-    recording, model
-        Camera and board, and the distortion model of the calibration.
-    """
+    """calibsolver on this machine; `model` is that of the calibration."""
 
     def __init__(self, recording: Recording, model: str) -> None:
         from calibsolver.capture import Capture, History
@@ -257,12 +235,4 @@ class OfflineGuide:
             error=estimate.uncertainty.rms if estimate.uncertainty else None,
             done=self._is_done,
             advice=tuple(each.text for each in estimate.advice),
-        )
-
-
-def require_views(views: Sequence[RecordedView]) -> None:
-    """Raise CaptureError if these views are too few for a calibration."""
-    if len(views) < MIN_VIEWS:
-        raise CaptureError(
-            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` continues with them"
         )

@@ -22,7 +22,7 @@ from ..recording import RecordedView, Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Scene
 from .frames import Frame, Frames
-from .guide import Guide, Status, Target, require_views
+from .guide import Guide, Status, Target
 from .outline import TEXTS, advice, difference, foreshortening, outline_of, overlap
 from .stillness import REFERENCE_WIDTH_PX, Stillness, motion
 
@@ -60,14 +60,12 @@ class Aim:
 
     Attributes
     ----------
-    target, outline
-        The target, and the board's edge (4, 2) px in it; None if it shows too little.
-    since
-        Seconds, when it was set.
+    outline
+        The board's edge (4, 2) px in it; None if it shows too little.
+    since, refused_at
+        Seconds, when it was set, and when a view at it was refused.
     nearest, nearest_at
         Least distance from it so far, and when.
-    refused_at
-        Seconds, when a view at it was refused.
     """
 
     target: Target
@@ -79,16 +77,9 @@ class Aim:
 
 
 class Live:
-    """One live capture.
+    """One live capture, of a `recording` with the views of an earlier one to continue.
 
-    Parameters
-    ----------
-    frames, recording
-        The source; camera and board, and the views of an earlier capture to continue.
-    guide, feedback
-        The guide, and the feedback to the user.
-    keep
-        Called with the recording after each view, before anything else happens.
+    `keep` is called with the recording after each view, before anything else happens.
     """
 
     def __init__(
@@ -130,7 +121,11 @@ class Live:
                 yield from self._set_target(frame.time, skip=True)
             elif corners is not None and self._is_due(corners):
                 yield from self._judge(corners, frame.time)
-        require_views(self.recording.views)
+        count = len(self.recording.views)
+        if count < MIN_VIEWS:
+            raise CaptureError(
+                f"{count} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` continues with them"
+            )
         return (yield from self._guide.finish(self.recording))
 
     def _replay(self) -> Flow[None]:
@@ -209,7 +204,6 @@ class Live:
         return time - aim.nearest_at > STUCK_S or time - aim.since > MAX_TARGET_S
 
     def _judge(self, corners: Corners, time: float) -> Flow[None]:
-        """Keep the view, and have it judged."""
         aim = self._aim
         assert aim is not None  # noqa: S101
         view = RecordedView.of(f"view {len(self.recording.views) + 1}", corners)
@@ -233,10 +227,7 @@ class Live:
 
 
 def first_board(frames: Frames, feedback: Feedback) -> Board:
-    """Return the undescribed board that the first frames show.
-
-    Raises CaptureError if none is recognised in `MAX_RECOGNITION_FRAMES`.
-    """
+    """Return the undescribed board that the first frames show; CaptureError if none is recognised."""
     feedback.note("show the board to the camera: it will be recognised")
     observations: list[Any] = []
     for _ in range(MAX_RECOGNITION_FRAMES):

@@ -1,4 +1,4 @@
-"""A whole live capture: source, board, guide and feedback together, and what is left if it ends early."""
+"""A whole live capture: source, board, guide and feedback together."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class CaptureOptions(TypedDict, total=False):
     size
         Width and height that its pictures must have, px.
     board
-        The board; recognised unless given.
+        Recognised by default.
     show
         ``window``, ``text``, ``none``, ``auto`` (a window where there is one, else text), or a `Feedback`.
     resume
         Recording of an earlier capture of this camera, to continue.
     clock
-        Seconds, by which the board's stillness is timed; of a file it is the file's own.
+        Seconds, by which the board's stillness is timed; a file has its own.
     """
 
     label: str | None
@@ -67,15 +67,7 @@ class CaptureInterruptedError(KeyboardInterrupt):
 
 @dataclass(frozen=True, eq=False)
 class Operation:
-    """A capture that is about to begin.
-
-    Attributes
-    ----------
-    source, frames, feedback
-        The source, its frames, and the feedback to the user.
-    recording
-        Camera and board, and the views of an earlier capture to continue.
-    """
+    """A capture that is about to begin, of a recording with the views of an earlier one to continue."""
 
     source: NamedSource
     frames: Frames
@@ -112,21 +104,16 @@ class Operation:
 
 
 def prepare(camera: Any, named: bool = True, **options: Unpack[CaptureOptions]) -> Operation:
-    """Open the source and find out what it shows.
+    """Open the source, as `open_source` does, and find out what it shows.
 
-    Parameters
-    ----------
-    camera
-        As in `open_source`.
-    named
-        True if the camera must have a label: without one its calibration cannot be looked up.
+    `named`: the camera must have a label, without which its calibration cannot be looked up.
 
     Raises CameraError, CaptureError, MissingPackageError or UsageError.
     """
     size, resume = options.get("size"), options.get("resume")
     if resume is not None:
         size = size or resume.key.img_size
-    feedback = feedback_of(options.get("show", "auto"))
+    feedback = _feedback(options.get("show", "auto"))
     source = open_source(camera, size)
     try:
         frames = Frames(source.source, source.name, options.get("clock", time.monotonic))
@@ -150,8 +137,7 @@ def prepare(camera: Any, named: bool = True, **options: Unpack[CaptureOptions]) 
         raise
 
 
-def feedback_of(show: Show) -> Feedback:
-    """Return the feedback that an argument `show` means."""
+def _feedback(show: Show) -> Feedback:
     if not isinstance(show, str):
         return show
     if show == "none":

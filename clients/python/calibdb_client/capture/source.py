@@ -39,8 +39,6 @@ class NamedSource:
 
     Attributes
     ----------
-    source
-        Object with `read()`.
     name
         Its name in sentences, without a password.
     label, platform

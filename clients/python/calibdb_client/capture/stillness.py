@@ -29,7 +29,7 @@ class Stillness:
     since, seen
         Seconds: its beginning, and the last frame in it.
     frames
-        Frames in it, the first not counted, and those that repeat the one before neither.
+        Frames in it, neither the first nor repeated ones.
     """
 
     anchor: Corners | None = None

@@ -17,15 +17,7 @@ SETTLED_S = 0.4
 
 
 class Terminal:
-    """Text hints, line by line; a bell for each view. On a terminal, one line shows the progress.
-
-    Parameters
-    ----------
-    stream
-        Standard error unless given.
-    clock
-        Seconds.
-    """
+    """Text hints, line by line; a bell for each view. On a terminal, one line shows the progress."""
 
     def __init__(self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream = stream or sys.stderr

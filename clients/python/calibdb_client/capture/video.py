@@ -1,4 +1,4 @@
-"""A recorded video: which of its frames become views."""
+"""Views of a recorded video."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def read_video(
 ) -> Board:
     """Find the board in a video; add the views in which it moves least, at many places, to `board_views`.
 
-    Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
-    UsageError if the file is not a video, CaptureError if no board is recognised.
+    Returns the board, which is recognised by default. A `mirrored` video is turned back. Raises UsageError if
+    the file is not a video, CaptureError if no board is recognised.
     """
     chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)

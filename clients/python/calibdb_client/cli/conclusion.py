@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-from dataclasses import dataclass
+from argparse import Namespace
 from pathlib import Path
 
 from ..conversion import NATIVE
@@ -15,50 +14,24 @@ from . import options
 from .output import Output, calibration_facts
 
 
-@dataclass(frozen=True)
-class Target:
-    """Files of a calibration.
+def kept_path(chosen: Namespace) -> Path | None:
+    """Return the file of the corners and the result that the options name; None: a new one.
 
-    Attributes
-    ----------
-    kept
-        File of the corners and the result; None: a new one.
-    format
-        Format of another file.
-    path
-        That file; None: one next to `kept`.
+    Raises UsageError if suffix and format contradict.
     """
-
-    kept: Path | None = None
-    format: str = NATIVE
-    path: Path | None = None
-
-
-NO_TARGET = Target()
-
-
-def target_of(chosen: argparse.Namespace) -> Target:
-    """Return the files that the options name. Raises UsageError if suffix and format contradict."""
     form = options.chosen_format(chosen)
     if chosen.output is None:
-        return Target(None, form)
+        return None
     path = Path(chosen.output)
-    return Target(path) if form == NATIVE else Target(path.with_suffix(".calibdb.json"), form, path)
+    return path if form == NATIVE else path.with_suffix(".calibdb.json")
 
 
 def conclude(
-    recording: Recording,
-    result: CaptureResult,
-    path: Path,
-    chosen: argparse.Namespace,
-    output: Output,
-    target: Target = NO_TARGET,
+    recording: Recording, result: CaptureResult, path: Path, chosen: Namespace, output: Output
 ) -> int:
-    """Write the result to the recording's file, optionally also as another tool's file, and print it.
-
-    With ``--verbose`` it prints a row per image.
-    """
-    write_whole(path, recording.content(result.calibration.record))
+    """Write the result to the recording's file, and to another tool's if asked for, and print it."""
+    calibration = result.calibration
+    write_whole(path, recording.content(calibration.record))
     for source, why in result.left_out:
         output.note(f"left out {source}: {why}")
     if result.suggested_model:
@@ -68,27 +41,26 @@ def conclude(
     if sentence := result.board_sentence(chosen.square_mm):
         output.note(sentence)
     if output.json:
-        output.document(dict(result.calibration.record))
+        output.document(dict(calibration.record))
     else:
-        rows = [("views", str(result.used)), *calibration_facts(result.calibration.record)]
-        verdict = [("verdict", result.verdict[0])] if result.verdict else []
-        output.facts([*rows, *verdict])
+        rows = [("views", str(result.used)), *calibration_facts(calibration.record)]
+        output.facts([*rows, *(("verdict", level) for level in result.verdict[:1])])
         if getattr(chosen, "verbose", False):
             output.table(("picture", "corners", "used", "rms, px", ""), _picture_rows(recording, result))
     output.note(f"wrote {path}")
-    if result.calibration.id:
+    if calibration.id:
         output.note(
-            f"`calibdb export {path} --format …` writes it for other tools; its id is {result.calibration.id}"
+            f"`calibdb export {path} --format …` writes it for other tools; its id is {calibration.id}"
         )
-    if target.format != NATIVE:
-        file = result.calibration.export(target.format)
-        sibling = path.with_name(f"{path.stem}-{target.format}{Path(file.filename).suffix}")
-        output.file(file, str(target.path or sibling))
+    form = options.chosen_format(chosen) if "format" in chosen else NATIVE
+    if form != NATIVE:
+        file = calibration.export(form)
+        sibling = path.with_name(f"{path.stem}-{form}{Path(file.filename).suffix}")
+        output.file(file, chosen.output or str(sibling))
     return 0
 
 
 def _picture_rows(recording: Recording, result: CaptureResult) -> list[tuple[str, ...]]:
-    """Return a row for each view: corners, those used, rms, and why it is left out."""
     from ..report import fit_again, rows_of
 
     try:

@@ -17,13 +17,7 @@ LINES_EVERY_S = 5.0
 
 
 class Output:
-    """Standard output and standard error.
-
-    Parameters
-    ----------
-    json
-        True if standard output is one JSON document.
-    """
+    """Standard output, one JSON document if `json`, and standard error."""
 
     def __init__(self, json: bool = False) -> None:
         self.json = json
@@ -58,7 +52,7 @@ class Output:
             print("  ".join(cells).rstrip())
 
     def file(self, file: ExportedFile, path: str | None) -> None:
-        """Write a file where it is wanted: to a path, or to standard output."""
+        """Write a file to a path, or to standard output."""
         if file.warning:
             self.note(file.warning)
         if path is None or path == "-":
@@ -90,14 +84,10 @@ def calibration_facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     if "avg_reprojection_error" in record:
         rows.append(("rms", f"{record['avg_reprojection_error']:.3f} px"))
     if uncertainty := record.get("uncertainty"):
-        rows.append(
-            (
-                "uncertainty",
-                f"{uncertainty['rms']:.2f} px over {_covered(record)}, {uncertainty['max']:.2f} px at most",
-            )
-        )
+        rms, most = uncertainty["rms"], uncertainty["max"]
+        rows.append(("uncertainty", f"{rms:.2f} px over {_covered(record)}, {most:.2f} px at most"))
         mm = 1000 / (fx * fy) ** 0.5  # of a pixel, at 1 m
-        rows.append(("at 1 m", f"{mm * uncertainty['rms']:.2f} mm"))
+        rows.append(("at 1 m", f"{mm * rms:.2f} mm"))
         if (inside := uncertainty.get("inside")) is not None:
             where = f"where the board was, {uncertainty['covered']:.0%} of the image"
             rows.append(("inside", f"{inside:.2f} px, {mm * inside:.2f} mm at 1 m: {where}"))

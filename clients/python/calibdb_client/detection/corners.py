@@ -20,15 +20,7 @@ STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Corners found in one picture.
-
-    Attributes
-    ----------
-    ids
-        (n,) numbers of the corners.
-    points
-        (n, 2) px.
-    """
+    """Corners found in one picture: ids (n,), and points (n, 2) px."""
 
     ids: tuple[int, ...]
     points: Array

@@ -27,12 +27,7 @@ Finder = Callable[[Any], tuple[Any, Any] | None]
 class Detector:
     """Finder of one board in pictures. Raises MissingPackageError without OpenCV.
 
-    Parameters
-    ----------
-    board
-        The board.
-    thorough
-        True if slower detectors look for a chessboard that the first does not find.
+    `thorough`: slower detectors look for a chessboard that the first does not find.
     """
 
     def __init__(self, board: Board, thorough: bool = False) -> None:

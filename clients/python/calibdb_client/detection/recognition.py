@@ -46,14 +46,9 @@ MAX_RATIO_OFFSET = 0.02
 
 @dataclass(frozen=True)
 class Layout:
-    """Layout of numbered markers on a board: how many columns, and which of its cells hold one.
+    """Layout of numbered markers on a board with `columns` of squares or tags.
 
-    Attributes
-    ----------
-    columns
-        Columns of squares or tags.
-    first
-        True if the first cell of a checkered layout has a marker; None: every cell has one, from the bottom.
+    `first`: the first cell of a checkered layout has a marker; None: every cell has one, from the bottom.
     """
 
     columns: int
@@ -91,7 +86,6 @@ def recognise(pictures: Iterable[Any], mirrored: bool = False) -> Board | None:
 
 
 def _with_markers(markers_of_images: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) -> Board | None:
-    """Return the board that the markers of most pictures fit."""
     families = Counter(
         {
             key: sum(len(each[key].ids) for each in markers_of_images if key in each)
@@ -169,7 +163,6 @@ def _board(
 
 
 def _sides(layout: Layout, markers: Markers) -> list[float]:
-    """Sides of the markers, pitches."""
     _, matrix = _fit(layout, markers)
     if matrix is None:
         return []
@@ -187,7 +180,7 @@ def _smallest(family: str, count: int) -> str:
 
 
 def _chessboard(greys: Sequence[Any]) -> Board | None:
-    """Return the chessboard in most pictures, counted by OpenCV.
+    """Return the chessboard in most pictures.
 
     One that is white on black is the same board turned by half a turn, or gives the same intrinsics.
     """

@@ -13,10 +13,8 @@ class Device:
     ----------
     index
         Number by which OpenCV opens it.
-    label
-        Label as Chromium gives it: the name, then the USB id in brackets where there is one.
-    platform
-        Platform as Chromium gives it.
+    label, platform
+        As Chromium gives them: the name, then the USB id in brackets if there is one.
     path
         Path or unique id in the system.
     backend

@@ -1,9 +1,8 @@
 """Cameras of Linux: Video4Linux devices, named as Chromium names them.
 
-Chromium takes the string of the USB interface (`device/interface` in sysfs); where there is none, the
-driver's card name, which is cut at 31 bytes. It adds idVendor and idProduct of the interface's USB
-device.
-Source: media/capture/video/linux/video_capture_device_factory_v4l2.cc of Chromium.
+Chromium takes the string of the USB interface (`device/interface` in sysfs), else the driver's card name,
+which is cut at 31 bytes. It adds idVendor and idProduct of the interface's USB device. Source:
+media/capture/video/linux/video_capture_device_factory_v4l2.cc of Chromium.
 """
 
 from __future__ import annotations
@@ -28,15 +27,7 @@ _CAPTURE, _OUTPUT, _DEVICE_CAPS = 0x1, 0x2, 0x80000000
 
 @dataclass(frozen=True)
 class Capability:
-    """Answer to VIDIOC_QUERYCAP.
-
-    Attributes
-    ----------
-    card
-        The driver's name of the device.
-    capabilities, device_caps
-        Bits of the physical device, and of this node.
-    """
+    """Answer to VIDIOC_QUERYCAP: the driver's name, and the bits of the physical device and of this node."""
 
     card: str
     capabilities: int

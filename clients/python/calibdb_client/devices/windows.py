@@ -32,7 +32,7 @@ def devices() -> Sequence[Device]:
 
 
 def name_devices(listed: Iterable[tuple[int, str, str]]) -> Sequence[Device]:
-    """Name cameras of which index, friendly name and path are known."""
+    """Return the cameras of which index, friendly name and path are known."""
     cameras = []
     for index, name, path in listed:
         ids = _IDS.search(path)
