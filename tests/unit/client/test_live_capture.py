@@ -17,16 +17,13 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board, Calibration, CameraError, CaptureError, Recording, UsageError, offline
-from calibdb_client.capture import frames as frames_module
-from calibdb_client.capture.feedback import Scene
-from calibdb_client.capture.frames import Frames
+from calibdb_client.capture import source as source_module
+from calibdb_client.capture.feedback import Scene, Terminal, draw
 from calibdb_client.capture.guide import Status, Target
 from calibdb_client.capture.outline import advice, difference, outline_of
-from calibdb_client.capture.source import is_stream, open_source
+from calibdb_client.capture.source import Frames, NamedSource, is_stream, open_source
 from calibdb_client.capture.stillness import Stillness
-from calibdb_client.capture.terminal import Terminal
 from calibdb_client.capture.video import read_video
-from calibdb_client.capture.window import draw
 from calibdb_client.cli import main
 from calibdb_client.cli.options import licence_of
 from calibdb_client.cli.output import Output
@@ -55,7 +52,7 @@ class Tape:
 
 
 def no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(frames_module, "LOST_PAUSE_S", 0)
+    monkeypatch.setattr(source_module, "LOST_PAUSE_S", 0)
 
 
 @pytest.mark.usefixtures("no_suggestion")
@@ -139,7 +136,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
 
 def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     no_pause(monkeypatch)
-    changed = Frames(Tape(PICTURE, PICTURE, PICTURE[:, :32]), "camera 0")
+    changed = Frames(NamedSource(Tape(PICTURE, PICTURE, PICTURE[:, :32]), "camera 0"))
     first, second = changed.next(), changed.next()
     assert first is not None
     assert second is not None
@@ -147,7 +144,7 @@ def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.Monke
     with pytest.raises(CameraError, match="from 64x48 to 32x48"):
         changed.next()
     with pytest.raises(CameraError, match="camera 0 delivers no picture"):
-        _ = Frames(Tape(), "camera 0").size
+        _ = Frames(NamedSource(Tape(), "camera 0")).size
     with pytest.raises(CameraError, match="no picture"):
         offline.calibrate(Tape(), board=Board(), show="none")
     with pytest.raises(CaptureError, match="0 views"):

@@ -21,9 +21,9 @@ from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Scene
-from .frames import Frame, Frames
 from .guide import Guide, Status, Target
 from .outline import TEXTS, advice, difference, foreshortening, outline_of, overlap
+from .source import Frame, Frames
 from .stillness import REFERENCE_WIDTH_PX, Stillness, motion
 
 HOLD_S, LONG_HOLD_S = 0.7, 1.5
@@ -107,9 +107,7 @@ class Live:
         yield from self._replay()
         while not self._status.done:
             frame = self._frames.next()
-            if frame is None:
-                break
-            if self._is_idle(frame.time):
+            if frame is None or self._is_idle(frame.time):
                 break
             if self._aim is None:
                 yield from self._set_target(frame.time)
@@ -143,10 +141,13 @@ class Live:
         self._aim = Aim(target, edge, time, nearest_at=time)
         self._still = Stillness()
 
+    def _current_aim(self) -> Aim:
+        assert self._aim is not None  # noqa: S101 - set before each frame
+        return self._aim
+
     def _observe(self, frame: Frame, corners: Corners | None) -> str:
         """Update the hold and the distance from the target, and show the frame."""
-        aim = self._aim
-        assert aim is not None  # noqa: S101 - set before
+        aim = self._current_aim()
         elapsed = frame.time - aim.since
         tolerance = float(np.interp(elapsed, (0.0, TOLERANT_AFTER_S), TOLERANCES))
         lenience = min(MAX_LENIENCE, max(1.0, elapsed / LENIENT_AFTER_S))
@@ -195,8 +196,7 @@ class Live:
         return enough and time - self._taken_at > IDLE_S
 
     def _is_stuck(self, time: float) -> bool:
-        aim = self._aim
-        assert aim is not None  # noqa: S101
+        aim = self._current_aim()
         if aim.refused_at is not None:
             return time - aim.refused_at > READ_REFUSAL_S
         if self._still.anchor is None:  # while no board is in sight, another pose would not help
@@ -204,8 +204,7 @@ class Live:
         return time - aim.nearest_at > STUCK_S or time - aim.since > MAX_TARGET_S
 
     def _judge(self, corners: Corners, time: float) -> Flow[None]:
-        aim = self._aim
-        assert aim is not None  # noqa: S101
+        aim = self._current_aim()
         view = RecordedView.of(f"view {len(self.recording.views) + 1}", corners)
         before = self.recording
         self.recording = replace(before, views=(*before.views, view))
@@ -232,18 +231,16 @@ def first_board(frames: Frames, feedback: Feedback) -> Board:
     observations: list[Any] = []
     for _ in range(MAX_RECOGNITION_FRAMES):
         frame = frames.next()
-        if frame is None:
-            break
-        observations.append(frame.picture)
-        if len(observations) == RECOGNITION_FRAMES:
+        if frame is not None:
+            observations.append(frame.picture)
+        if frame is None or len(observations) == RECOGNITION_FRAMES:
             board = recognise(observations)
             if board is not None:
                 feedback.note(f"board: {board}")
                 return board
             observations = []
-    board = recognise(observations)
-    if board is None:
-        raise CaptureError(
-            "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"
-        )
-    return board
+        if frame is None:
+            break
+    raise CaptureError(
+        "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"
+    )

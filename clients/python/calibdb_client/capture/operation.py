@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from ..board import Board
+from ..devices import platform_of
 from ..errors import CalibDBError, UsageError
 from ..flows import Flow
 from ..key import UNNAMED, CameraKey
 from ..recording import Recording
 from ..session import CaptureResult
-from .feedback import Feedback, Silent
-from .frames import Frames
+from .feedback import Feedback, Terminal, Window, has_window
 from .guide import Guide, Maker, OfflineGuide, ServiceGuide
 from .live import Live, first_board
-from .source import NamedSource, open_source
-from .terminal import Terminal
-from .window import Window, has_window
+from .source import Frames, NamedSource, open_source
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -69,7 +68,6 @@ class CaptureInterruptedError(KeyboardInterrupt):
 class Operation:
     """A capture that is about to begin, of a recording with the views of an earlier one to continue."""
 
-    source: NamedSource
     frames: Frames
     feedback: Feedback
     recording: Recording
@@ -87,7 +85,7 @@ class Operation:
     def close(self) -> None:
         """Close the window, and the camera if it was opened here."""
         self.feedback.close()
-        self.source.close()
+        self.frames.source.close()
 
     def _run(self, guide: Callable[[], Guide], keep: Keep) -> Flow[CaptureResult]:
         live: Live | None = None
@@ -116,21 +114,17 @@ def prepare(camera: Any, named: bool = True, **options: Unpack[CaptureOptions]) 
     feedback = _feedback(options.get("show", "auto"))
     source = open_source(camera, size)
     try:
-        frames = Frames(source.source, source.name, options.get("clock", time.monotonic))
+        frames = Frames(source, options.get("clock", time.monotonic))
         delivered = frames.size
         if size is not None and delivered != tuple(size):
             raise UsageError(
                 f"{source.name} delivers {delivered[0]}x{delivered[1]} and not {size[0]}x{size[1]}: "
                 "set it to that size"
             )
-        if resume is not None:
-            return Operation(source, frames, feedback, replace(resume, live=True))
-        name = options.get("label") or source.label
-        if name is None and named:
-            raise UsageError(f"which camera is {source.name}? Say its label, as a browser gives it")
-        key = _key(source, name or UNNAMED, options.get("platform"), delivered, options.get("zoom"))
-        chosen = options.get("board") or first_board(frames, feedback)
-        return Operation(source, frames, feedback, Recording(key, chosen, (), live=True))
+        if resume is None:
+            key = _key(source, delivered, named, options)
+            resume = Recording(key, options.get("board") or first_board(frames, feedback), ())
+        return Operation(frames, feedback, replace(resume, live=True))
     except BaseException:
         feedback.close()
         source.close()
@@ -141,19 +135,22 @@ def _feedback(show: Show) -> Feedback:
     if not isinstance(show, str):
         return show
     if show == "none":
-        return Silent()
+        return Terminal(io.StringIO())
     if show not in ("auto", "window", "text"):
         raise UsageError(f"a capture is shown by auto, window, text or none, not {show!r}")
-    window = show == "window" or (show == "auto" and has_window())
-    if window and not has_window():
-        raise UsageError("there is no window here: say text, or install opencv-python and set DISPLAY")
-    return Window(Terminal()) if window else Terminal()
+    if show == "text" or not has_window():
+        if show == "window":
+            raise UsageError("there is no window here: say text, or install opencv-python and set DISPLAY")
+        return Terminal()
+    return Window()
 
 
-def _key(
-    source: NamedSource, label: str, platform: str | None, size: tuple[int, int], zoom: float | None
-) -> CameraKey:
-    from ..devices import platform_of
-
-    value = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
-    return CameraKey(label, platform or source.platform or platform_of(), size, value)
+def _key(source: NamedSource, size: tuple[int, int], named: bool, options: CaptureOptions) -> CameraKey:
+    label = options.get("label") or source.label
+    if label is None and named:
+        raise UsageError(f"which camera is {source.name}? Say its label, as a browser gives it")
+    zoom = options.get("zoom")
+    if zoom is None:
+        zoom = float(getattr(source.source, "zoom", 0.0) or 0.0)
+    platform = options.get("platform") or source.platform or platform_of()
+    return CameraKey(label or UNNAMED, platform, size, zoom)
