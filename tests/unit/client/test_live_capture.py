@@ -246,7 +246,7 @@ def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
 
 
 def test_window_draws_target_corners_and_words() -> None:
-    target = Target(0, (), np.empty((0, 2)), np.array([[10.0, 10], [300, 10], [300, 200]]), "", "")
+    target = Target(0, (), np.empty((0, 2)), np.array([[10.0, 10], [300, 10], [300, 200]]))
     picture = np.full((240, 320), 100, dtype=np.uint8)
     drawn = draw(Scene(picture, np.array([[50.0, 50]]), target, "hold", 0.5, Status(1, 0.5)))
     assert drawn.shape == (240, 320, 3)

@@ -10,12 +10,7 @@ from calibdb_client.cli.output import calibration_facts
 from calibdb_client.pictures import MAX_VIEWS, FoundViews
 from calibdb_client.recording import RecordedView
 
-
-@pytest.fixture(autouse=True)
-def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("working")
 
 
 def said(capfd: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -53,9 +48,7 @@ def test_uncertainty_is_stated_for_the_covered_part() -> None:
     assert "reliable" not in dict(calibration_facts(record))
 
 
-def test_command_helps_without_arguments_and_names_a_near_one(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_command_helps_without_arguments_and_names_a_near_one(capfd: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     assert "examples:" in capfd.readouterr().out
     assert main(["calibrat", "photos"]) == 2

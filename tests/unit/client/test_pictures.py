@@ -14,12 +14,11 @@ import yaml
 
 from calibdb_client import Board, Calibration, CaptureError, Recording, UsageError, offline, pictures
 from calibdb_client.cli import main
-from calibdb_client.detection import Detector
 from calibdb_client.pictures import FoundViews, picture_paths, read, turned_by_camera
 from calibsolver import fit
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
-from tests.helpers.data import data_dir, external_data
+from tests.helpers.data import data_dir, external_data, float32
 from tests.helpers.recordings import recording_of
 
 BOARD = ["--model", "rectilinear", "--squares", "9x6"]
@@ -29,23 +28,6 @@ PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DI
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return board_pictures.write(tmp_path_factory.mktemp("drawn"), Board(), 4)
-
-
-@pytest.fixture
-def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in, and no service."""
-    for name in ("CALIBDB_URL", "CALIBDB_TOKEN"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def test_picture_without_the_board_has_no_corners() -> None:
-    assert Detector(Board()).find(np.full((480, 640), 128, dtype=np.uint8)) is None
-    assert (
-        Detector(Board((9, 6), 0.65, "DICT_7X7_50")).find(board_pictures.picture(Board(), (0.1, 0.2, 0)))
-        is None
-    )
 
 
 @pytest.mark.usefixtures("no_suggestion")
@@ -180,16 +162,9 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     assert main(["calibrate", str(photographs), "--offline", *options]) == 0
     recording = Recording.load(working / "camera.json")
     assert len(recording.views) == 16
-    objects = [
-        np.array([[i % 7 + 1.0, i // 7 + 1.0, 0] for i in view.ids], dtype=np.float32)
-        for view in recording.views
-    ]
-    seen = [np.array(view.points, dtype=np.float32) for view in recording.views]
-    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(
-        objects, seen, recording.key.img_size, None, None
-    )
-    views = [recording.board.view(view.ids, view.points) for view in recording.views]
-    drawn = fit(views, recording.key.img_size, board_shape=False).camera
+    views, size = recording.observations(), recording.key.img_size
+    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(*float32(views), size, None, None)
+    drawn = fit(views, size, board_shape=False).camera
     found = Calibration.load(working / "camera.json")
     off = np.abs([np.diag(c)[:2] - np.diag(matrix)[:2] for c in (drawn.matrix, found.camera_matrix)])
     assert off[0].max() < 0.05

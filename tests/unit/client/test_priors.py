@@ -12,7 +12,7 @@ import pytest
 from calibdb_client import Calibration, UsageError, priors
 from calibdb_client.answer import Answer, Estimate
 from calibdb_client.key import CameraKey
-from tests.unit.client.test_exif import IMG_SIZE, block, jpeg
+from tests.unit.client.test_exif import IMG_SIZE, jpeg
 
 RECORD: dict[str, Any] = {
     "img_size": list(IMG_SIZE),
@@ -39,8 +39,8 @@ def folder(tmp_path: Path) -> Path:
     photos = tmp_path / "photos"
     photos.mkdir()
     for name in ("a b.jpg", "b.JPG", "c.jpg"):
-        (photos / name).write_bytes(jpeg(block()))
-    (photos / "d.jpg").write_bytes(jpeg(block(model="iPhone 14; rm -rf /\necho", focal_35mm=0)))
+        (photos / name).write_bytes(jpeg())
+    (photos / "d.jpg").write_bytes(jpeg(model="iPhone 14; rm -rf /\necho", focal_35mm=0))
     (photos / "screenshot.png").write_bytes(b"\x89PNG")
     (photos / "notes.txt").write_text("no picture")
     return photos

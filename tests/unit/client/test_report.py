@@ -16,10 +16,8 @@ from tests.helpers.service.published import held
 from tests.unit.client.test_calibration import RECORD
 
 
-def test_report_of_a_file_has_plots_and_a_row_per_picture(
-    left_file: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("working")
+def test_report_of_a_file_has_plots_and_a_row_per_picture(left_file: bytes) -> None:
     Path("left.json").write_bytes(left_file)
     assert main(["plot", "left.json"]) == 0
     page = Path("report.html").read_text()
@@ -35,12 +33,11 @@ def test_report_without_corners_is_refused(tmp_path: Path) -> None:
         write_report(tmp_path / "report.html", Calibration(RECORD))
 
 
-@pytest.mark.usefixtures("no_suggestion")
+@pytest.mark.usefixtures("no_suggestion", "working")
 def test_bent_board_is_named_by_the_command_and_the_report(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A board as drawn, and one whose middle rises by 0.08 squares, 0.7 % of its length off a plane."""
-    monkeypatch.chdir(tmp_path)
     in_mm = ["--square-mm", "30"]
     monkeypatch.setattr(plots, "report", lambda *_: Figure())
     said = []
@@ -60,9 +57,10 @@ def test_bent_board_is_named_by_the_command_and_the_report(
     assert main(["plot", "bent.json", "-o", "report.gif"]) == 2
     millimetres, reported, bent = said
     assert millimetres == reported
-    found = re.fullmatch(r"Your board is bent by (.*) % of its length; that was taken into account.", bent)
-    assert found is not None
-    assert float(found[1]) == pytest.approx(0.7, abs=0.15)
-    found = re.fullmatch(r"Your board is bent by (.*) mm; that was taken into account.", millimetres)
-    assert found is not None
-    assert float(found[1]) == pytest.approx(0.007 * 7 * 30, abs=0.3), "seven squares between the corners"
+    for sentence, unit, bend, tolerance in (
+        (bent, "% of its length", 0.7, 0.15),
+        (millimetres, "mm", 0.007 * 7 * 30, 0.3),  # seven squares between the corners
+    ):
+        found = re.fullmatch(rf"Your board is bent by (.*) {unit}; that was taken into account.", sentence)
+        assert found is not None
+        assert float(found[1]) == pytest.approx(bend, abs=tolerance)

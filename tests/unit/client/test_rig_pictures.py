@@ -69,11 +69,9 @@ def test_cameras_that_share_too_little_are_refused(pair: list[Recording]) -> Non
 
 @external_data
 @pytest.mark.thorough
-def test_rig_of_fisheyes_is_calibrated_from_two_folders(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("working")
+def test_rig_of_fisheyes_is_calibrated_from_two_folders() -> None:
     """The fit of all 34 pairs has a baseline of 4.076 squares."""
-    monkeypatch.chdir(tmp_path)
     for side in ("left", "right"):
         Path(side).mkdir()
         for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::4]:

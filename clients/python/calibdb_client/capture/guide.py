@@ -44,8 +44,6 @@ class Target:
     ids: tuple[int, ...]
     corners: Array
     outline: Array
-    purpose: str
-    hint: str
 
     @classmethod
     def of(cls, values: Mapping[str, Any], index: int) -> Target:
@@ -55,8 +53,6 @@ class Target:
             tuple(int(each) for each in values["ids"]),
             np.array(values["corners"], dtype=np.float64).reshape(-1, 2),
             np.array(values["outline"], dtype=np.float64).reshape(-1, 2),
-            str(values.get("purpose", "")),
-            str(values.get("hint", "")),
         )
 
 
@@ -78,7 +74,6 @@ class Status:
     progress: float = 0.0
     error: float | None = None
     done: bool = False
-    advice: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -150,7 +145,6 @@ class ServiceGuide:
             progress=float(state.get("progress") or 0.0),
             error=uncertainty.get("rms"),
             done=state.get("status") == "converged",
-            advice=tuple(str(each.get("text", "")) for each in state.get("advice", [])),
         )
 
 
@@ -234,5 +228,4 @@ class OfflineGuide:
             progress=estimate.progress,
             error=estimate.uncertainty.rms if estimate.uncertainty else None,
             done=self._is_done,
-            advice=tuple(each.text for each in estimate.advice),
         )
