@@ -27,15 +27,20 @@ KINDS = (
 )
 UNUSUAL = replace(KINDS[6], tag_spacing=0.43)
 TILTS = board_pictures.TILTS[:2]
+DISTANCE = 1.2  # sides of the board
+
+
+def drawn(board: Board, tilt: tuple[float, float, float] = TILTS[0]) -> np.ndarray:
+    return board_pictures.picture(board, tilt, DISTANCE * max(board.size))
 
 
 @pytest.mark.parametrize("board", KINDS, ids=str)
 def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
     assert Board(**board.record()) == board
-    distance = 1.2 * max(board.size)
+    distance = DISTANCE * max(board.size)
     bound = 0.3 if board.kind == "aprilgrid" else 0.1  # a tag's outer corner has no second edge to hold it
     for tilt in TILTS:
-        found = Detector(board).find(board_pictures.picture(board, tilt, distance))
+        found = Detector(board).find(drawn(board, tilt))
         assert found is not None
         assert len(found.ids) > 0.6 * board.corner_count
         expected = board_pictures.corners(board, tilt, (0, 0, distance))[list(found.ids)]
@@ -63,7 +68,7 @@ def test_chessboard_found_in_a_shrunk_picture_has_the_same_corners(inverted: boo
 )
 def test_board_of_every_kind_is_recognised(board: Board) -> None:
     tilts = TILTS if board.kind == "aprilgrid" else TILTS[:1]
-    found = recognise([board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in tilts])
+    found = recognise([drawn(board, tilt) for tilt in tilts])
     assert found is not None
     assert found.tag_spacing == pytest.approx(board.tag_spacing, abs=0.005)
     assert replace(found, tag_spacing=board.tag_spacing) == board
@@ -94,7 +99,7 @@ def test_kalibrs_tags_have_a_wider_border_and_another_turn() -> None:
 )
 def test_mirrored_pictures_are_recognised_as_mirrored(board: Board, inverted: bool) -> None:
     shown = replace(board, inverted=inverted)
-    pictures = [board_pictures.picture(shown, TILTS[0], 1.2 * max(board.size))[:, ::-1]]
+    pictures = [drawn(shown)[:, ::-1]]
     with pytest.raises(MirroredError, match="--mirrored"):
         recognise(pictures)
     assert recognise(pictures, mirrored=True) == shown
@@ -105,7 +110,7 @@ def test_partly_hidden_markers_suffice() -> None:
     board = Board((9, 6))
     pictures = []
     for n, tilt in enumerate(TILTS):
-        picture = board_pictures.picture(board, tilt, 1.2 * max(board.size)).copy()
+        picture = drawn(board, tilt).copy()
         w = picture.shape[1]
         picture[:, : w // 2 if n % 2 else 0] = 128
         picture[:, w if n % 2 else w // 2 :] = 128
@@ -117,7 +122,7 @@ def test_corners_between_two_markers_stay_where_single_markers_contradict(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """OpenCV then returns no corner: None instead of arrays."""
-    picture = board_pictures.picture(Board(), TILTS[0], 12)
+    picture = drawn(Board())
     detector = Detector(Board())
     whole = detector.find(picture)
     nothing = SimpleNamespace(detectBoard=lambda *_: (None, None, (), None))
@@ -130,12 +135,12 @@ def test_corners_between_two_markers_stay_where_single_markers_contradict(
 
 
 def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:
-    drawn = [
-        board_pictures.picture(Board(squares, kind="chessboard"), tilt, 1.2 * squares[0])
-        for squares in ((7, 6), (7, 5))
+    boards = [Board(squares, kind="chessboard") for squares in ((7, 6), (7, 5))]
+    pictures = [
+        cv2.resize(drawn(board, tilt), (320, 240), interpolation=cv2.INTER_AREA)
+        for board in boards
         for tilt in TILTS
     ]
-    pictures = [cv2.resize(picture, (320, 240), interpolation=cv2.INTER_AREA) for picture in drawn]
     with pytest.raises(CaptureError, match=r"7x6 or 7x5 squares.*Count its squares"):
         recognise(pictures)
 
@@ -179,7 +184,7 @@ def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
     assert board.tag_spacing == 0.3
     result = FoundViews()
     read(paths, board, result)
-    views = [board.view(view.ids, view.points) for _, view in result.views]
+    views = list(board.views(view.record() for _, view in result.views))
     calibration = fit(views, (1024, 1024), "fisheye")
     assert len(views) == 5
     assert not calibration.cut_views

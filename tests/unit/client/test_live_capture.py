@@ -57,11 +57,10 @@ def no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("no_suggestion")
 def test_capture_that_ends_early_is_kept_and_goes_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Ctrl-C, a camera that is not there, one that is unplugged; then the capture reaches its end."""
     no_pause(monkeypatch)
-    monkeypatch.chdir(tmp_path)
     camera = VirtualCamera(seed=2)
     listener = Listener(camera)
     read, taken = camera.read, listener.taken
@@ -79,7 +78,7 @@ def test_capture_that_ends_early_is_kept_and_goes_on(
     monkeypatch.setattr(listener, "taken", press)
     assert main(["calibrate", "0", "--offline", "--squares", "9x6"]) == 130
     assert listener.closed
-    (path,) = tmp_path.iterdir()
+    (path,) = working.iterdir()
     assert f"`calibdb resume {path.name}` continues" in capfd.readouterr().err
     kept = Recording.load(path)
     assert len(kept.views) == 1
@@ -97,17 +96,14 @@ def test_capture_that_ends_early_is_kept_and_goes_on(
     assert main(["resume", path.name, "0", "--offline", "--json"]) == 0
     calibration = Calibration.load(path)
     assert abs(calibration.camera_matrix[0, 0] - camera.fx) < 2
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    assert [each.name for each in working.iterdir()] == [path.name]
     recording = Recording.load(path)
     assert recording.live
     assert 4 <= len(recording.views) <= 8
 
 
-@pytest.mark.usefixtures("no_suggestion")
-def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("no_suggestion", "working")
+def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(capfd: pytest.CaptureFixture[str]) -> None:
     writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 1, board_pictures.SIZE)
     for n, tilt in enumerate(board_pictures.TILTS[:5]):
         picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
@@ -181,22 +177,20 @@ def test_hold_survives_a_smeared_frame_and_ends_with_motion() -> None:
 
 
 def seen(
-    rvec: tuple[float, float, float], shift: tuple[float, float] = (0, 0), distance: float = 11.0
+    rvec: tuple[float, float, float] = (0, 0, 0), x: float = 0, y: float = 0, distance: float = 11.0
 ) -> Any:
     """Outline (4, 2) px of the usual board."""
     board = Board()
-    return outline_of(
-        board, range(board.corner_count), board_pictures.corners(board, rvec, (*shift, distance))
-    )
+    return outline_of(board, range(40), board_pictures.corners(board, rvec, (x, y, distance)))
 
 
 @pytest.mark.parametrize(
     ("code", "target"),
     [
-        ("left", seen((0, 0, 0), (-4, 0))),
-        ("down", seen((0, 0, 0), (0, 3))),
-        ("closer", seen((0, 0, 0), distance=8)),
-        ("farther", seen((0, 0, 0), distance=16)),
+        ("left", seen(x=-4)),
+        ("down", seen(y=3)),
+        ("closer", seen(distance=8)),
+        ("farther", seen(distance=16)),
         ("turn_clockwise", seen((0, 0, 0.4))),
         ("tilt_top", seen((0.5, 0, 0))),
         ("tilt_left", seen((0, -0.5, 0))),
@@ -204,9 +198,9 @@ def seen(
     ],
 )
 def test_advice_names_the_movement_that_is_missing(code: str, target: Any) -> None:
-    assert advice(seen((0, 0, 0)), target) == code
+    assert advice(seen(), target) == code
     if code.startswith("tilt"):
-        assert difference(seen((0, 0, 0)), target) > 0.08
+        assert difference(seen(), target) > 0.08
 
 
 def test_terminal_gives_settled_words_and_rings(capfd: pytest.CaptureFixture[str]) -> None:
@@ -221,15 +215,6 @@ def test_terminal_gives_settled_words_and_rings(capfd: pytest.CaptureFixture[str
     assert capfd.readouterr().err.splitlines() == ["move the board left", "view taken: 1 view, 20 %, 3.00 px"]
 
 
-def everything(leader: int) -> bytes:
-    """Read all that was written to a terminal whose other end is closed, in however many pieces it comes."""
-    told = b""
-    with contextlib.suppress(OSError):  # the end
-        while piece := os.read(leader, 65536):
-            told += piece
-    return told
-
-
 def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
     leader, follower = pty.openpty()
     before = threading.active_count()
@@ -239,15 +224,18 @@ def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
         assert threading.active_count() == before
         terminal.taken(Status(3, 0.6, 0.5))
         terminal.close()
-    told = everything(leader).decode()
+    told = b""
+    with contextlib.suppress(OSError):  # the end
+        while piece := os.read(leader, 65536):
+            told += piece
     os.close(leader)
-    assert "2 views, 50 %, 0.70 px" in told
-    assert "\a" in told
+    assert b"2 views, 50 %, 0.70 px" in told
+    assert b"\a" in told
 
 
 def test_window_draws_target_corners_and_words() -> None:
     target = Target(0, (), np.empty((0, 2)), np.array([[10.0, 10], [300, 10], [300, 200]]))
-    picture = np.full((240, 320), 100, dtype=np.uint8)
+    picture = cv2.resize(PICTURE, (320, 240))
     drawn = draw(Scene(picture, np.array([[50.0, 50]]), target, "hold", 0.5, Status(1, 0.5)))
     assert drawn.shape == (240, 320, 3)
     assert drawn[10, 100].tolist() != [100, 100, 100]
@@ -265,10 +253,13 @@ def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str
         open_source("http://user:secret@127.0.0.1:9/video")
     assert "secret" not in str(refused.value)
     assert main(["calibrate", "http://127.0.0.1:9/video", "--offline"]) == 6
-    for name in ("no such camera", "USB2.0 HD UVC WebCam"):
-        assert main(["calibrate", name, "--offline"]) == 6
-    assert main(["calibrate", "absent.mp4", "--offline"]) == 2
-    assert main(["calibrate", str(tmp_path / "absent"), "--offline"]) == 2
+    for name, status in (
+        ("no such camera", 6),
+        ("USB2.0 HD UVC WebCam", 6),
+        ("absent.mp4", 2),
+        (str(tmp_path / "absent"), 2),
+    ):
+        assert main(["calibrate", name, "--offline"]) == status
     assert main(["calibrate", "http://127.0.0.1:9/video", "--licence", "MIT"]) == 2
     assert "CC0-1.0" in capfd.readouterr().err
 
