@@ -1,7 +1,5 @@
 """Calibration boards within the bounds of the service, and OpenCV's ChArUco board."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -117,10 +115,10 @@ class Board(calibsolver.Board):
         return board
 
 
-def opencv() -> Any:
+def opencv(what: str = "boards are drawn and found") -> Any:
     """Return the module `cv2`. Raises MissingPackageError if it is not installed."""
     try:
         import cv2
     except ImportError:
-        raise MissingPackageError("boards are drawn and found by OpenCV: pip install opencv-python") from None
+        raise MissingPackageError(f"{what} by OpenCV: pip install opencv-python") from None
     return cv2

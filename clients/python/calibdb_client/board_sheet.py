@@ -1,7 +1,5 @@
 """A board on paper (PDF, in true size) or as a picture (PNG)."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Cache on disk of the edge's answers, for as long as the service allows; no credential is in them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -6,8 +6,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from .board import opencv
 from .devices import Device, find
-from .errors import CameraError, MissingPackageError
+from .errors import CameraError
 
 if TYPE_CHECKING:
     from typing import Self
@@ -64,10 +65,7 @@ def open_camera(camera: int | str, size: tuple[int, int] | None = None) -> Camer
 
     Raises CameraError if it is not there, busy, or has no such size; MissingPackageError without OpenCV.
     """
-    try:
-        import cv2
-    except ImportError:
-        raise MissingPackageError("a camera is opened by OpenCV: pip install opencv-python") from None
+    cv2 = opencv("a camera is opened")
     chosen = find(camera)
     capture = cv2.VideoCapture(chosen.index, chosen.backend)
     try:

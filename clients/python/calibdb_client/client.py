@@ -251,8 +251,8 @@ class Client(Service):
 
         Raises CaptureError if the views do not suffice.
         """
-        extras = session.extras_of(licence, mode_name)
-        return session.submit(recording, model, self._calibration, progress, extras)
+        consent = session.consent_of(licence, mode_name)
+        return session.submit(recording, model, self._calibration, progress, consent)
 
     @driven
     def calibrate(
@@ -284,9 +284,9 @@ class Client(Service):
         """
         from .capture.operation import prepare
 
-        extras = session.extras_of(licence, mode_name)
+        consent, keep = session.consent_of(licence, mode_name), keep or ignore
         operation = prepare(camera, **options)
-        return (yield from operation.by_service(live_model(model), keep or ignore, self._calibration, extras))
+        return (yield from operation.by_service(live_model(model), keep, self._calibration, consent))
 
     @driven
     def check(
@@ -355,9 +355,9 @@ class Client(Service):
         """
         from .images import recording_of
 
-        extras = session.extras_of(licence, mode_name)
+        consent = session.consent_of(licence, mode_name)
         recording = recording_of(paths, camera, board, platform, zoom)
-        return (yield from session.submit(recording, model, self._calibration, consent=extras))
+        return (yield from session.submit(recording, model, self._calibration, consent=consent))
 
     def calibrate_rig(
         self,

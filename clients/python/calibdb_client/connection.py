@@ -48,8 +48,7 @@ class Connection:
         parts = urlsplit(address)
         if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.username:
             raise UsageError(f"{address!r} is not an address of a service, such as https://calibdb.example")
-        credential = os.environ.get("CALIBDB_TOKEN", "") if token is None else token
-        credential = credential.strip()
+        credential = (os.environ.get("CALIBDB_TOKEN", "") if token is None else token).strip()
         if not credential.isascii() or not credential.isprintable() or " " in credential:
             raise UsageError("the token (CALIBDB_TOKEN) contains invalid characters")
         if not timeout > 0 or attempts < 1:
@@ -114,24 +113,19 @@ class BodyTooLargeError(Exception):
     """The response is longer than anything that the service sends."""
 
 
-class Body:
+class Body(bytearray):
     """Body of a response while it arrives."""
-
-    def __init__(self) -> None:
-        self._parts: list[bytes] = []
-        self._length = 0
 
     def add(self, part: bytes) -> None:
         """Append a part. Raises BodyTooLargeError."""
-        self._length += len(part)
-        if self._length > MAX_BODY_BYTES:
+        self.extend(part)
+        if len(self) > MAX_BODY_BYTES:
             raise BodyTooLargeError
-        self._parts.append(part)
 
     def reply(self, response: httpx.Response) -> Reply:
         """Return the whole answer."""
         headers = {name.lower(): value for name, value in response.headers.items()}
-        return Reply(response.status_code, headers, b"".join(self._parts))
+        return Reply(response.status_code, headers, bytes(self))
 
 
 def failure(error: Exception) -> Failure:
@@ -139,9 +133,8 @@ def failure(error: Exception) -> Failure:
     if isinstance(error, httpx.TimeoutException):
         return Failure("no response in time")
     if isinstance(error, httpx.ConnectError):
-        return Failure(
-            "no connection" if "certificate" not in str(error).lower() else "its certificate is not valid"
-        )
+        is_refused = "certificate" in str(error).lower()
+        return Failure("its certificate is not valid" if is_refused else "no connection")
     if isinstance(error, BodyTooLargeError):
         return Failure("its response is too long")
     return Failure("the connection broke")

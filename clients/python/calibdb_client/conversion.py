@@ -99,7 +99,7 @@ def write(
         transform = None if change == UNCHANGED else change.transform(camera.img_size)
         return _exported(formats.write(source, name, transform))
     except CalibrationError as error:
-        raise UsageError(f"{error}") from None
+        raise UsageError(str(error)) from None
 
 
 def write_rig(record: Mapping[str, Any], name: str) -> ExportedFile:

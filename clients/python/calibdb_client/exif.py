@@ -1,7 +1,5 @@
 """EXIF data of a photograph: camera, lens, focal length. EXIF 2.32 (CIPA DC-008), in JPEG and TIFF files."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Files that are read and written as a whole."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Recordings of pictures and videos."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 

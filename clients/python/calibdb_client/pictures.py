@@ -1,8 +1,5 @@
 """Pictures of a board in files, and the corners that they show."""
 
-from __future__ import annotations
-
-import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -101,13 +98,10 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
     paths: list[Path] = []
     for each in map(Path, given):
         if each.is_dir():
-            with os.scandir(each) as entries:
-                inside = [
-                    Path(e.path) for e in entries if Path(e.name).suffix.lower() in SUFFIXES and e.is_file()
-                ]
+            inside = sorted(p for p in each.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
             if not inside:
                 raise UsageError(_without_pictures(each))
-            paths += sorted(inside)
+            paths += inside
         elif each.is_file():
             if each.suffix.lower() == ".json":
                 raise UsageError(f"{each} is not an image: `calibdb submit {each}` uses the corners in it")
@@ -143,17 +137,8 @@ def turned_by_camera(paths: Sequence[Path]) -> bool:
     content = _content(paths[0]) if paths else b""
     if not content.startswith(b"\xff\xd8"):
         return False
-    plain = _decode(content)
-    turned: Any = None
-    try:
-        turned = cv2.imdecode(np.frombuffer(content, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
-    except cv2.error:
-        return False
-    return (
-        plain is not None
-        and turned is not None
-        and (plain.shape != turned.shape or not np.array_equal(plain, turned))
-    )
+    plain, turned = _decode(content), _decode(content, cv2.IMREAD_GRAYSCALE)
+    return plain is not None and turned is not None and not np.array_equal(plain, turned)
 
 
 def read(
@@ -211,11 +196,12 @@ def _content(path: Path) -> bytes:
         return b""
 
 
-def _decode(content: bytes) -> Any:
-    """Return a picture (h, w) in shades of grey; None if it is none."""
+def _decode(content: bytes, flags: int | None = None) -> Any:
+    """Return a picture (h, w) in shades of grey, as the file has it; None if it is none."""
     import cv2
 
-    flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+    if flags is None:
+        flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         return cv2.imdecode(np.frombuffer(content, dtype=np.uint8), flags)
     except cv2.error:  # more pixels than OpenCV reads

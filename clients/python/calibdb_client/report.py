@@ -82,9 +82,8 @@ def write_report(
     except ImportError:
         raise MissingPackageError("plots need matplotlib: pip install matplotlib") from None
     fit, views = fit_again(recording, calibration)
-    title = (
-        f"{recording.key.camera}, {calibration.img_size[0]} x {calibration.img_size[1]}, {fit.camera.model}"
-    )
+    w, h = calibration.img_size
+    title = f"{recording.key.camera}, {w} x {h}, {fit.camera.model}"
     figure = plots.report(fit, views, title, picture)
     content = io.BytesIO()
     if target.suffix.lower() == ".html":
@@ -129,9 +128,11 @@ def _page(
     board: str | None,
 ) -> str:
     """Return the page: everything is in it, nothing is loaded from elsewhere."""
+    from calibsolver import models
+
     from .cli.output import calibration_facts
 
-    names = ("fx", "fy", "cx", "cy", *_coefficients(fit))
+    names = ("fx", "fy", "cx", "cy", *models.get(fit.camera.model).coefficients)
     deviations = np.sqrt(np.diagonal(fit.covariance))
     values = [
         f"<tr><td>{name}</td><td>{value:.6g}</td><td>± {sigma:.2g}</td></tr>"
@@ -158,9 +159,3 @@ def _page(
         f"<h2>Pictures</h2><table><tr><th>picture</th><th>corners</th><th>used</th><th>rms, px</th>"
         f"<th></th></tr>{''.join(pictures)}</table></html>\n"
     )
-
-
-def _coefficients(fit: Fit) -> tuple[str, ...]:
-    from calibsolver import models
-
-    return models.get(fit.camera.model).coefficients

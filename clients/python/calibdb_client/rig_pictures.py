@@ -1,7 +1,5 @@
 """A rig from folders of pictures, one for each camera: paired by name or order, fitted by calibsolver."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,17 +75,13 @@ def calibrate_rig(
     chosen = board or pictures.recognise_board(max(paths, key=len))
     recordings, left_out, done = [], [], 0
     for position, files in enumerate(paths):
-        before, result = done, FoundViews()
-        pictures.read(files, chosen, result, _shifted(progress, before, sum(map(len, paths))))
+        result = FoundViews()
+        pictures.read(files, chosen, result, _shifted(progress, done, sum(map(len, paths))))
         done += len(files)
         size, views = result.of_one_size(MIN_MOMENTS)
         recordings.append(Recording(CameraKey(names[position], PLATFORM, size), chosen, views))
-        used = {view.source for view in views}
-        left_out += [
-            (f"{names[position]}/{file.name}", "no board was detected")
-            for file in files
-            if file.name not in used
-        ]
+        missed = {file.name for file in files} - {view.source for view in views}
+        left_out += [(f"{names[position]}/{name}", "no board was detected") for name in sorted(missed)]
     return fit_rig(recordings, moments, chosen, model, square_size, left_out)
 
 
@@ -165,9 +159,8 @@ def fit_rig(
         for each in fit["set_aside"]
     ]
     rig = Rig(_record(fit, recordings))
-    return RigResult(
-        rig if square_size is None else rig.to_metres(square_size), board, len(shared), tuple(left_out)
-    )
+    rig = rig if square_size is None else rig.to_metres(square_size)
+    return RigResult(rig, board, len(shared), tuple(left_out))
 
 
 def _record(fit: dict[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:

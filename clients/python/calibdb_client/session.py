@@ -1,7 +1,5 @@
 """Sessions of the service, and results of captures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -71,7 +69,7 @@ def start(
 ) -> Flow[tuple[str, Mapping[str, Any]]]:
     """Open a session, and return its id and state.
 
-    `capture`: ``live`` or ``recorded``; `consent`: members as of `extras_of`.
+    `capture`: ``live`` or ``recorded``; `consent`: as of `consent_of`.
     """
     reply = yield Request("POST", "v1/auth")
     session = str(reply.json["session_id"])
@@ -86,21 +84,17 @@ def start(
     return session, reply.json
 
 
-def consent_of(licence: str | None) -> dict[str, str]:
-    """Return the members by which a contributor agrees to a licence; none without one.
+def consent_of(licence: str | None, mode_name: str | None = None) -> dict[str, str]:
+    """Return the members by which a contributor agrees to a licence, and names the camera's mode.
 
     Raises UsageError for a licence that the database does not have.
     """
+    members = {"mode_name": mode_name} if mode_name else {}
     if licence is None:
-        return {}
+        return members
     if licence != LICENCE:
         raise UsageError(f"calibrations are given away under {LICENCE}, or not at all, not {licence!r}")
-    return {"licence": LICENCE, "licence_version": LICENCE_VERSION}
-
-
-def extras_of(licence: str | None, mode_name: str | None) -> dict[str, str]:
-    """Return the members of a session that its contributor chooses: consent, and the name of the mode."""
-    return consent_of(licence) | ({"mode_name": mode_name} if mode_name else {})
+    return members | {"licence": LICENCE, "licence_version": LICENCE_VERSION}
 
 
 def submit(

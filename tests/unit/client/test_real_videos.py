@@ -1,7 +1,5 @@
 """Recognition in real videos, which are read where CALIBDB_DATA has them."""
 
-from __future__ import annotations
-
 import pytest
 
 from calibdb_client import Board

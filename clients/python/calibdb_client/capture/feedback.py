@@ -1,7 +1,5 @@
 """Feedback of a capture: what the person sees, hears and may press, as text or in a window."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

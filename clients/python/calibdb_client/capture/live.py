@@ -3,8 +3,6 @@
 The rules and numbers are those of the capture page. A conversation: it yields the requests of its guide.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Sources of a capture and their frames: a camera here, a stream, a video, or an object with `read()`."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable

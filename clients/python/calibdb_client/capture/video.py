@@ -1,7 +1,5 @@
 """Views of a recorded video."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -23,6 +21,7 @@ MIN_APART_PX = 30.0
 SLOW_FRAMES_PER_S = 8.0
 """Frames of a second in which a chessboard is looked for: it takes longer to find than markers."""
 _POSITION, _FRAMES_PER_S, _COUNT = 1, 5, 7  # of cv2.VideoCapture
+NO_IMAGE = "{} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
 Seen = tuple[int, tuple[int, int], Corners]
 """Number of a frame, its size (w, h) px, and the corners in it."""
 
@@ -78,21 +77,15 @@ def _pictures(
             if not there or picture is None:
                 continue
             looked_at += 1
-            yield number, count, _turned(picture, mirrored)
+            yield number, count, opencv().flip(picture, 1) if mirrored else picture
         if number < 0:
-            raise CaptureError(
-                f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
-            )
+            raise CaptureError(NO_IMAGE.format(path))
         if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
             board_views.broken = (
                 f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
             )
     finally:
         opened.close()
-
-
-def _turned(picture: Any, mirrored: bool) -> Any:
-    return opencv().flip(picture, 1) if mirrored else picture
 
 
 def _choose(seen: list[Seen], step: int) -> list[Seen]:
@@ -128,10 +121,10 @@ def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
         opened.close()
     board = recognise(pictures, mirrored)
     if board is None:
+        if not pictures:
+            raise CaptureError(NO_IMAGE.format(path))
         raise CaptureError(
             f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "
             "--dictionary"
-            if pictures
-            else f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
         )
     return board

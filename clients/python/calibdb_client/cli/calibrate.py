@@ -1,7 +1,5 @@
 """The commands `calibrate` and `submit`."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path

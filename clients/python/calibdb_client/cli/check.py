@@ -1,7 +1,5 @@
 """The command `check`."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path

@@ -1,7 +1,5 @@
 """End of a calibration by the command: its files, and what it prints."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 from pathlib import Path
 

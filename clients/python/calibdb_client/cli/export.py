@@ -1,7 +1,5 @@
 """The commands `export` and `convert`."""
 
-from __future__ import annotations
-
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Live captures, and the command `resume`."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 from pathlib import Path
 from typing import Any

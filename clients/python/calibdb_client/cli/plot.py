@@ -1,7 +1,5 @@
 """The command `plot`."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The program: arguments, commands, exit status."""
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import os

@@ -1,7 +1,5 @@
 """AprilGrid in a picture: the tags by cv2.aruco, numbered as Kalibr numbers their corners."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Chessboards in pictures, by OpenCV's detectors one after the other, and the number of their corners."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any

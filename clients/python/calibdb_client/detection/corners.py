@@ -1,7 +1,5 @@
 """Corners of a board in one picture, and their refinement to a fraction of a pixel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Detector of one board: ChArUco, chessboard or AprilGrid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

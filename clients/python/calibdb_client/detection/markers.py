@@ -1,7 +1,5 @@
 """Markers of every dictionary in one picture: quadrilaterals, read once and looked up in all dictionaries."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass

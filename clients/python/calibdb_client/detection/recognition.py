@@ -5,8 +5,6 @@ one kind of board and one layout; their size in the lattice is the ratio to the 
 markers is a chessboard, whose corners OpenCV counts.
 """
 
-from __future__ import annotations
-
 import statistics
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence

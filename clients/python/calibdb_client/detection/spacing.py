@@ -1,7 +1,5 @@
 """Spacing of an AprilGrid in pictures: by the places of the tags' corners, then by a fit of the camera."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Sequence
 from dataclasses import replace

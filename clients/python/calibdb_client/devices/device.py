@@ -1,7 +1,5 @@
 """One camera of this machine."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

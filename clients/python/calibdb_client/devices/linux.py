@@ -5,8 +5,6 @@ which is cut at 31 bytes. It adds idVendor and idProduct of the interface's USB 
 media/capture/video/linux/video_capture_device_factory_v4l2.cc of Chromium.
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from collections.abc import Callable, Sequence

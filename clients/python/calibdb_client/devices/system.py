@@ -1,7 +1,5 @@
 """Cameras of this system."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ package cv2-enumerate-cameras counts the cameras as OpenCV does.
 Source: media/capture/video/win/video_capture_device_factory_win.cc of Chromium.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 
