@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .board import opencv
 from .devices import Device, find
 from .errors import CameraError
-
-if TYPE_CHECKING:
-    from typing import Self
 
 MAX_READS = 30
 """Frames that are waited for: many cameras deliver their first picture late."""
@@ -46,15 +42,10 @@ class Camera:
             raise AttributeError(name)
         return getattr(self.capture, name)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Camera:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.capture.release()
 
 

@@ -7,28 +7,25 @@ import inspect
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 import httpx
 
 from . import checks, flows, session
-from .answer import Answer
 from .cache import Cache, default_folder
-from .calibration import Calibration
+from .calibration import Answer, Calibration
 from .checks import CheckResult, Comparison
-from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
-from .files import ExportedFile
+from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, Result, failure
+from .files import ExportedFile, PictureChange
 from .flows import Flow, T, segment
 from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
-from .picture_change import PictureChange
 from .recording import Recording, ignore
 from .rig import Rig
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request
 
 if TYPE_CHECKING:
-    from typing import Self, Unpack
+    from typing import Unpack
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
@@ -118,15 +115,10 @@ class Client(Service):
         self._http = httpx.Client(**self._connection.arguments(), transport=transport)
         self._sleep = sleep
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Client:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -379,16 +371,15 @@ class Client(Service):
         return Rig(record, self.rig_file, self.export)
 
     def _run(self, flow: Flow[T]) -> T:
-        steps, outcome = self._connection.steps(flow), None
-        try:
-            while True:
-                step = steps.send(outcome)
-                outcome = self._send(step) if isinstance(step, dict) else None
-                if isinstance(step, float):
-                    self._sleep(step)
-        except StopIteration as end:
-            result: T = end.value
-            return result
+        steps = self._connection.steps(flow)
+        outcome: Reply | Failure | None = None
+        while True:
+            step = steps.send(outcome)
+            if isinstance(step, Result):
+                return step.value
+            outcome = self._send(step) if isinstance(step, dict) else None
+            if isinstance(step, float):
+                self._sleep(step)
 
     def _send(self, message: dict[str, Any]) -> Reply | Failure:
         body = Body()

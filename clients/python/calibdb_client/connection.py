@@ -6,7 +6,7 @@ import os
 import random
 from collections.abc import Generator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic
 from urllib.parse import urlsplit
 
 import httpx
@@ -20,6 +20,17 @@ CONNECT_TIMEOUT_S = 5.0
 RESPONSE_TIMEOUT_S = 30.0
 """Timeout of a response: the service may compute a model while the client waits."""
 MAX_ATTEMPTS = 4
+
+
+Step = dict[str, Any] | float
+"""Arguments of httpx's `stream`, or seconds to wait."""
+
+
+@dataclass(frozen=True)
+class Result(Generic[T]):
+    """Result of a conversation that has ended."""
+
+    value: T
 
 
 @dataclass(frozen=True)
@@ -63,8 +74,8 @@ class Connection:
             "follow_redirects": False,
         }
 
-    def steps(self, flow: Flow[T]) -> Generator[dict[str, Any] | float, Reply | Failure | None, T]:
-        """Turn a conversation into messages to be sent, whose outcomes it takes, and pauses in seconds."""
+    def steps(self, flow: Flow[T]) -> Generator[Step | Result[T], Reply | Failure | None, None]:
+        """Turn a conversation into steps, to whose messages the outcomes are sent, and its result."""
         try:
             request = next(flow)
             while True:
@@ -75,10 +86,9 @@ class Connection:
                 else:
                     request = flow.send(reply)
         except StopIteration as end:
-            result: T = end.value
-            return result
+            yield Result(end.value)
 
-    def _exchange(self, request: Request) -> Generator[dict[str, Any] | float, Reply | Failure | None, Reply]:
+    def _exchange(self, request: Request) -> Generator[Step, Reply | Failure | None, Reply]:
         message = self.message(request)
         attempts = self.attempts if request.repeats else 1
         for attempt in range(attempts):

@@ -13,8 +13,7 @@ from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
 
 from .errors import UsageError
-from .files import ExportedFile, read_whole
-from .picture_change import UNCHANGED, PictureChange
+from .files import UNCHANGED, ExportedFile, PictureChange, read_whole
 
 if TYPE_CHECKING:
     from .recording import Recording

@@ -10,8 +10,8 @@ from collections.abc import Callable, Generator, Mapping
 from email.message import Message
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .answer import Answer, Estimate
 from .cache import Cache
+from .calibration import Answer, Estimate
 from .errors import CalibDBError, NotFoundError, ServiceUnavailableError, UsageError
 from .files import ExportedFile
 from .key import CameraKey

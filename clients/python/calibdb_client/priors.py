@@ -8,8 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from . import exif
-from .answer import Answer, Estimate
-from .calibration import Calibration
+from .calibration import Answer, Calibration, Estimate
 from .errors import UsageError
 from .exif import Photograph
 from .key import CameraKey

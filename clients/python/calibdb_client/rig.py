@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,9 +18,6 @@ from .calibration import Calibration, Exporter
 from .errors import UsageError
 from .files import ExportedFile, read_whole, write_whole
 
-RigExporter = Callable[[str, str], ExportedFile]
-"""Fetches the file of a rig's id in a format."""
-
 _JSON = "json"
 
 
@@ -32,7 +29,7 @@ class Rig:
     """
 
     record: Mapping[str, Any]
-    _exporter: RigExporter | None = field(default=None, repr=False)
+    _exporter: Exporter | None = field(default=None, repr=False)
     _camera_exporter: Exporter | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:

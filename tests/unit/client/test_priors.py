@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from calibdb_client import Calibration, UsageError, priors
-from calibdb_client.answer import Answer, Estimate
+from calibdb_client import Answer, Calibration, Estimate, UsageError, priors
 from calibdb_client.key import CameraKey
 from tests.unit.client.test_exif import IMG_SIZE, jpeg
 

@@ -15,7 +15,6 @@ from ..offline import calibrate_recording
 from ..pictures import MAX_PICTURES, PLATFORM, FoundViews, picture_paths, read, turned_by_camera
 from ..recording import Recording
 from . import live, options
-from .conclusion import conclude, kept_path
 from .output import Output, progress
 
 
@@ -41,7 +40,7 @@ def add(commands: Any) -> None:
 def run(chosen: Namespace, output: Output) -> int:
     """Find the corners, keep them, and calibrate."""
     kind, source = options.kind_of(chosen.source), chosen.source[0]
-    path = kept_path(chosen)
+    path = live.kept_path(chosen)
     options.fix_of(chosen)  # refused before anything is read
     if kind == "camera":
         if chosen.fix or chosen.start:
@@ -130,7 +129,7 @@ def _finish(recording: Recording, path: Path, chosen: Namespace, output: Output)
         offline = " --offline" if isinstance(error, MissingPackageError) else ""
         output.note(f"the corners are kept in {path}: `calibdb submit {path}{offline}` goes on with them")
         raise
-    return conclude(recording, result, path, chosen, output)
+    return live.conclude(recording, result, path, chosen, output)
 
 
 def add_submit(commands: Any) -> None:

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..files import UNCHANGED, PictureChange
 from ..key import MODELS
-from ..picture_change import UNCHANGED, PictureChange
 from . import options
 from .output import Output
 

@@ -17,10 +17,10 @@ from calibsolver.arrays import Array
 
 from ..board import DICTIONARIES, Board, opencv
 from ..errors import MirroredError, UsageError
+from .aprilgrid import estimate_spacing
 from .chessboard import count_corners
 from .detector import grey_of
 from .markers import Key, Markers, find_markers
-from .spacing import estimate_spacing
 
 MAX_LOOKED_AT = 8
 """Pictures in which one board is looked for."""
