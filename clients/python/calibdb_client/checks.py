@@ -58,7 +58,7 @@ def check(
     consent: Mapping[str, str],
 ) -> Flow[CheckResult]:
     """Have the service score its calibration on the views of a recording, of which three are sent."""
-    body = {**body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
+    body = {**_body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
     record = yield from ask(body)
     return CheckResult(
         record["fits"] == "fits",
@@ -78,25 +78,21 @@ def ask(body: Mapping[str, Any]) -> Flow[Mapping[str, Any]]:
     return reply.json
 
 
-def body_of(recording: Recording, count: int) -> dict[str, Any]:
-    """Return the members of a check that say what was seen, in `count` views at most."""
+def _body_of(recording: Recording, count: int) -> dict[str, Any]:
     return {**recording.key.record(), **views_of(recording, count)}
 
 
 def views_of(recording: Recording, count: int) -> dict[str, Any]:
     """Return the board, and `count` views at most, as the members of a request."""
-    views = most_different(recording, count)
+    views = _most_different(recording, count)
     return {
         "board": recording.board.record(),
         "views": [view.record() for view in views],
     }
 
 
-def most_different(recording: Recording, count: int) -> Sequence[RecordedView]:
-    """Return the views, at most `count`, in which the board is tilted most differently.
-
-    Raises CaptureError if there are none.
-    """
+def _most_different(recording: Recording, count: int) -> Sequence[RecordedView]:
+    """Return the views, at most `count`, in which the board is tilted most differently."""
     from .capture.outline import difference, outline_of
 
     outlines = [outline_of(recording.board, view.ids, view.points) for view in recording.views]
@@ -135,7 +131,7 @@ def compare_by_service(recording: Recording, calibration: Calibration) -> Flow[C
     _require_size(recording, calibration)
     names = ("img_size", "camera_matrix", "distortion_coefficients", "distortion_model")
     record = {name: calibration.record[name] for name in names}
-    body = {**body_of(recording, MAX_SENT_VIEWS), "calibration": record}
+    body = {**_body_of(recording, MAX_SENT_VIEWS), "calibration": record}
     return _comparison((yield from ask(body)))
 
 

@@ -62,15 +62,15 @@ class FoundViews:
         size, count = sizes.most_common(1)[0]
         if count < least and self.frames > count:
             raise CaptureError(
-                f"{plural(self.frames, 'frame shows', 'frames show')} the board, but they are too alike: "
-                f"{plural(count, 'view differs', 'views differ')}, and {least} are needed, better 10. "
+                f"{_plural(self.frames, 'frame shows', 'frames show')} the board, but they are too alike: "
+                f"{_plural(count, 'view differs', 'views differ')}, and {least} are needed, better 10. "
                 "Move the board between the frames, and tilt it in several ways"
             )
         if count < least:
             several = f" of {size[0]}x{size[1]} px" if len(sizes) > 1 else ""
             raise CaptureError(
-                f"the board was detected in {plural(count, 'picture', 'pictures')}{several}, and {least} are "
-                "needed, better 10: describe the board by --kind and --squares if it is in more of them"
+                f"the board was detected in {_plural(count, 'picture', 'pictures')}{several}, and {least} "
+                "are needed, better 10: describe the board by --kind and --squares if it is in more of them"
             )
         views = [view for each, view in self.views if each == size]
         if not limited:
@@ -113,8 +113,7 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
     return paths
 
 
-def plural(count: int, one: str, other: str) -> str:
-    """Return a count with its noun."""
+def _plural(count: int, one: str, other: str) -> str:
     return f"{count} {one if count == 1 else other}"
 
 

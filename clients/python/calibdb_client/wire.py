@@ -102,10 +102,10 @@ def require_success(outcome: Reply | Failure, site: str) -> Reply:
         )
     if outcome.status < 400:
         return outcome
-    raise error_of(outcome, site)
+    raise _error_of(outcome, site)
 
 
-def error_of(reply: Reply, site: str) -> ProblemError | ServiceUnavailableError:
+def _error_of(reply: Reply, site: str) -> ProblemError | ServiceUnavailableError:
     """Return the error that a reply describes; a gateway's own form, or none, is understood too."""
     try:
         said = reply.json

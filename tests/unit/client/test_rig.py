@@ -1,17 +1,16 @@
 """Rigs of the Python client: poses against OpenCV, units, files, and what is refused."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import cv2
-import httpx
 import numpy as np
 import pytest
 
-from calibdb_client import Client, NotFoundError, Rig, UsageError
+from calibdb_client import ExportedFile, Rig, UsageError
 from tests.unit.client.test_calibration import RECORD
-from tests.unit.client.test_client import SITE, TOKEN
 
 RIG = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d"
 POSES = ((0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.02, -0.6, 0.1, -2.0, 0.1, 0.7), (0.3, -1.2, 2.4, 1.0, 2.0, -3.0))
@@ -32,31 +31,12 @@ RESULT: dict[str, Any] = {
 }
 
 
-def answer(request: httpx.Request) -> httpx.Response:
-    if request.url.path != f"/v1/rigs/{RIG}/result":
-        return httpx.Response(404, json={"detail": "There is no such rig.", "status": 404})
-    assert request.headers["authorization"] == f"Bearer {TOKEN}"
-    if request.url.params.get("format") != "kalibr":
-        return httpx.Response(200, json=RESULT)
-    headers = {"content-disposition": 'attachment; filename="camchain.yaml"', "x-conversion-error": "0.25"}
-    return httpx.Response(200, content=b"cam0:\n", headers=headers)
-
-
-def read(identifier: str) -> tuple[Rig, Any]:
-    with Client(SITE, TOKEN, transport=httpx.MockTransport(answer), cache=False) as client:
-        return client.rig(identifier), client.rig_file(identifier, "kalibr")
-
-
-def test_client_reads_a_rig_and_its_files() -> None:
-    rig, file = read(RIG)
+def test_record_is_read_and_its_files_come_from_the_service() -> None:
+    camchain = ExportedFile(b"cam0:\n", "camchain.yaml")
+    rig = Rig(RESULT, lambda identifier, form: replace(camchain, filename=f"{identifier}.{form}"))
     assert (rig.id, rig.unit, rig.verdict, rig.rms) == (RIG, "squares", ("fair", "held_out"), 0.27)
     assert [each.camera for each in rig.calibrations] == [RECORD["camera"]] * 3
-    assert np.isfinite(rig.calibrations[1].project([[0.0, 0, 1]])).all()
-    assert (file.filename, file.content, file.error) == ("camchain.yaml", b"cam0:\n", 0.25)
-    with pytest.raises(NotFoundError, match="no such rig"):
-        read("0" * 32)
-    with pytest.raises(UsageError, match="not an id"):
-        read("../tokens")
+    assert rig.export("kalibr").filename == f"{RIG}.kalibr"
 
 
 def test_poses_are_opencvs() -> None:
@@ -87,7 +67,7 @@ def test_a_rig_in_squares_becomes_one_in_metres() -> None:
 
 
 def test_files_are_written_and_read_again(tmp_path: Path) -> None:
-    rig, _ = read(RIG)
+    rig = Rig(RESULT)
     rig.save(tmp_path / "rig.json")
     again = Rig.load(tmp_path / "rig.json")
     assert again.pose(1) == pytest.approx(rig.pose(1))

@@ -53,7 +53,7 @@ MAX_RECOGNITION_FRAMES = 900
 
 
 @dataclass
-class Aim:
+class _Aim:
     """The target of the moment, and how near the board came to it.
 
     Attributes
@@ -93,7 +93,7 @@ class Live:
         self._detector = Detector(recording.board)
         self._width = recording.key.img_size[0]
         self._status = Status()
-        self._aim: Aim | None = None
+        self._aim: _Aim | None = None
         self._still = Stillness()
         self._judged: Corners | None = None
         self._taken_at: float | None = None
@@ -136,10 +136,10 @@ class Live:
     def _set_target(self, time: float, skip: bool = False) -> Flow[None]:
         target = yield from self._guide.target(skip)
         edge = outline_of(self.recording.board, target.ids, target.corners)
-        self._aim = Aim(target, edge, time, nearest_at=time)
+        self._aim = _Aim(target, edge, time, nearest_at=time)
         self._still = Stillness()
 
-    def _current_aim(self) -> Aim:
+    def _current_aim(self) -> _Aim:
         assert self._aim is not None  # noqa: S101 - set before each frame
         return self._aim
 

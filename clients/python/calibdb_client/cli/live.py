@@ -15,7 +15,7 @@ from . import options
 from .output import Output, calibration_facts
 
 
-class KeptFile:
+class _KeptFile:
     """File of the views so far, named after the camera by default."""
 
     def __init__(self, path: Path | None, recording: Recording | None) -> None:
@@ -44,7 +44,7 @@ def _capture(
 ) -> int:
     """Capture, keep every view in a file, write the result there, and print it."""
     source: int | str = int(camera) if camera.isdigit() else camera
-    kept = KeptFile(path, arguments.get("resume"))
+    kept = _KeptFile(path, arguments.get("resume"))
     arguments |= {"model": chosen.model, "keep": kept.keep}
     licence = options.licence_of(chosen, output)
     try:

@@ -22,11 +22,11 @@ class Output:
 
     def problem(self, text: str) -> None:
         """Write an error in one line."""
-        print(f"calibdb: {one_line(text)}", file=sys.stderr)
+        print(f"calibdb: {_one_line(text)}", file=sys.stderr)
 
     def note(self, text: str) -> None:
         """Write something that is not the result."""
-        print(one_line(text), file=sys.stderr)
+        print(_one_line(text), file=sys.stderr)
 
     def document(self, value: object) -> None:
         """Write the JSON document."""
@@ -36,11 +36,11 @@ class Output:
         """Write names and values."""
         width = max((len(name) for name, _ in rows), default=0)
         for name, value in rows:
-            print(f"{name:<{width}}  {one_line(value)}")
+            print(f"{name:<{width}}  {_one_line(value)}")
 
     def table(self, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         """Write rows in columns: the first and the last flush left, numbers flush right."""
-        lines = [[one_line(cell) for cell in row] for row in (heads, *rows)]
+        lines = [[_one_line(cell) for cell in row] for row in (heads, *rows)]
         widths = [max(len(line[n]) for line in lines) for n in range(len(heads))]
         for line in lines:
             cells = [
@@ -62,7 +62,7 @@ class Output:
         self.note(f"wrote {path}")
 
 
-def one_line(text: str) -> str:
+def _one_line(text: str) -> str:
     """Return text without control characters: labels and responses are not trusted."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 

@@ -47,24 +47,24 @@ class AprilGridFinder:
 
     def __init__(self, board: Board) -> None:
         self.board = board
-        self._detectors = [tag_detector(board.markers(), border) for border in BORDERS]
+        self._detectors = [_tag_detector(board.markers(), border) for border in BORDERS]
 
     def __call__(self, grey: Any) -> tuple[Any, Any] | None:
         """Return ids (n,) and corners (n, 2) px in a picture (h, w); None if none of its tags is seen."""
         tags = self.tags(grey)
-        return None if tags is None else corners_of_tags(self.board, *tags)
+        return None if tags is None else _corners_of_tags(self.board, *tags)
 
     def tags(self, grey: Any) -> tuple[Any, Array] | None:
         """Return ids (n,) and corners (n, 4, 2) px of the tags in a picture; None if there is but one."""
         count = self.board.squares[0] * self.board.squares[1]
-        results = [find_tags(detector, grey, count) for detector in self._detectors]
+        results = [_find_tags(detector, grey, count) for detector in self._detectors]
         ids, tags = max(results, key=lambda each: len(each[0]))
         if len(ids) >= MIN_CERTAIN_TAGS:  # only this border from now on
             self._detectors = [d for d, each in zip(self._detectors, results, strict=True) if each[0] is ids]
         return None if len(ids) < 2 else (ids, tags)
 
 
-def corners_of_tags(board: Board, ids: Any, tags: Array) -> tuple[Any, Any]:
+def _corners_of_tags(board: Board, ids: Any, tags: Array) -> tuple[Any, Any]:
     """Return ids (n,) and corners (n, 2) px of tags, numbered as the board's.
 
     They lie where the tags around each say that they are. Contours run from a tag into the squares that are
@@ -98,7 +98,7 @@ def _number_corners(board: Board, ids: Any, tags: Array) -> Array:
     return np.roll(tags[:, ::-1], int(np.argmax(agreement)), axis=1)
 
 
-def local_distances(board: Board, ids: Any, points: Array) -> Array:
+def _local_distances(board: Board, ids: Any, points: Array) -> Array:
     """Distance (n,) px of corners from where those of the tags around each, and itself, say that they are."""
     distances: Array = np.linalg.norm(_smoothed(board, np.asarray(ids), points) - points, axis=1)
     return distances
@@ -109,7 +109,7 @@ def without_stray_corners(board: Board, corners: Corners) -> Corners | None:
 
     Next to a tag's corner are those of the square in the gap, to which refinement may run.
     """
-    distances = local_distances(board, corners.ids, corners.points)
+    distances = _local_distances(board, corners.ids, corners.points)
     indices = np.flatnonzero(distances <= max(MIN_STRAY_PX, MAX_STRAY_RATIO * float(np.median(distances))))
     if len(indices) < MIN_CORNERS:
         return None
@@ -144,16 +144,15 @@ def _terms(places: Array) -> Array:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
 
 
-def tag_detector(dictionary: Any, border: int) -> Any:
-    """Return a detector of tags whose black border is so many cells wide."""
+def _tag_detector(dictionary: Any, border: int) -> Any:
     aruco = opencv().aruco
     parameters = aruco.DetectorParameters()
     parameters.markerBorderBits = border
     return aruco.ArucoDetector(dictionary, parameters)
 
 
-def find_tags(detector: Any, grey: Any, count: int) -> tuple[Any, Array]:
-    """Return ids (n,) below `count`, each once, and corners (n, 4, 2) px, clockwise, of tags in a picture."""
+def _find_tags(detector: Any, grey: Any, count: int) -> tuple[Any, Array]:
+    """Ids (n,) below `count`, each once, and corners (n, 4, 2) px, clockwise, of tags in a picture."""
     corners, ids, _ = detector.detectMarkers(grey)
     if ids is None or len(ids) == 0:
         return np.empty(0, dtype=np.int64), np.empty((0, 4, 2))
@@ -186,12 +185,12 @@ def _coarse_spacing(grid: Board, grey: Any, tags: Any, quads: Array) -> float | 
     distances = np.full(len(COARSE), np.inf)
     for n, spacing in enumerate(COARSE.tolist()):
         board = replace(grid, tag_spacing=spacing)
-        ids, places = corners_of_tags(board, tags, quads)
+        ids, places = _corners_of_tags(board, tags, quads)
         corners = refine(grey, board, ids, places)
         # Between the tags nothing moves a corner: there is none.
         if corners is None or len(corners.ids) < 0.8 * len(ids) or _share_unmoved(corners, ids, places) > 0.3:
             continue
-        distances[n] = np.median(local_distances(board, corners.ids, corners.points))
+        distances[n] = np.median(_local_distances(board, corners.ids, corners.points))
     finite = distances[np.isfinite(distances)]
     if not len(finite) or finite.min() > MAX_CURVE_RATIO * float(np.median(finite)):
         return None
@@ -206,7 +205,7 @@ def _share_unmoved(corners: Corners, ids: Any, places: Any) -> float:
 
 def _fitted_spacing(grid: Board, shown: Sequence[tuple[Any, tuple[Any, Array]]]) -> float | None:
     """Return the spacing at which a camera explains the corners of all pictures best; None without a fit."""
-    refined = (refine(grey, grid, *corners_of_tags(grid, *tags)) for grey, tags in shown)
+    refined = (refine(grey, grid, *_corners_of_tags(grid, *tags)) for grey, tags in shown)
     views = [corners for corners in refined if corners is not None]
     if len(views) < 2:
         return None

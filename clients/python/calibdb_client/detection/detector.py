@@ -125,7 +125,7 @@ class Detector:
         lattice = find_corners(grey, (columns, rows), self._thorough)
         if lattice is None:
             return None
-        ordered = order_chessboard(grey, lattice)
+        ordered = _order_chessboard(grey, lattice)
         return np.arange(columns * rows), ordered.reshape(-1, 2)
 
 
@@ -134,7 +134,7 @@ def grey_of(picture: Any) -> Any:
     return picture if picture.ndim == 2 else opencv().cvtColor(picture, opencv().COLOR_BGR2GRAY)
 
 
-def order_chessboard(grey: Any, lattice: Any) -> Any:
+def _order_chessboard(grey: Any, lattice: Any) -> Any:
     """Return corners (rows, columns, 2) px as a board held upright has them.
 
     Not mirrored, with the first square black; of two such orders, the one that begins farther up and left.

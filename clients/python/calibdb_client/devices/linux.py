@@ -38,7 +38,7 @@ class Capability:
         return bool(caps & _CAPTURE) and not caps & _OUTPUT
 
 
-def query_capability(path: Path) -> Capability | None:
+def _query_capability(path: Path) -> Capability | None:
     """Ask a device for its capability; None if it cannot be opened."""
     import fcntl  # Unix only
 
@@ -54,7 +54,7 @@ def query_capability(path: Path) -> Capability | None:
 
 def devices(
     sys_class: Path = Path("/sys/class/video4linux"),
-    query: Callable[[Path], Capability | None] = query_capability,
+    query: Callable[[Path], Capability | None] = _query_capability,
 ) -> Sequence[Device]:
     """List the cameras in the order of their numbers; a device that cannot be opened is named by sysfs."""
     cameras = []

@@ -47,10 +47,10 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     Raises CalibrationError ``not_representable`` if none comes near.
     """
     for constraint in constraints:
-        same = embed(source.camera, constraint.model)
+        same = _embed(source.camera, constraint.model)
         if same is not None and satisfies(same, constraint):
             return Conversion(same)
-    source = in_shape(source)
+    source = _in_shape(source)
     candidates: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
@@ -77,7 +77,7 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     return conversion
 
 
-def in_shape(source: ExportSource) -> ExportSource:
+def _in_shape(source: ExportSource) -> ExportSource:
     """Replace the views by those of the board in its shape, if the camera was fitted to that."""
     camera, views = source.camera, source.views
     if not views:
@@ -100,7 +100,7 @@ def _rms(source: ExportSource, camera: Camera, widest: float) -> float:
     return float(np.nan_to_num(np.sqrt(np.square(away).sum(axis=0).mean()), nan=np.inf))
 
 
-def embed(camera: Camera, model: str) -> Camera | None:
+def _embed(camera: Camera, model: str) -> Camera | None:
     """Return the same camera under a model of which its own is a special case; None if it is not."""
     if camera.model == model:
         return camera
@@ -215,14 +215,14 @@ def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, t
     Raises CalibrationError if no believable one fits.
     """
     if not source.views:
-        closest = fit_to_rays(embed(source.camera, constraint.model) or source.camera, constraint)
+        closest = fit_to_rays(_embed(source.camera, constraint.model) or source.camera, constraint)
         model = models.get(constraint.model)
         rays, _ = sampled_rays(source.camera, model.max_angle)
         if (~model.valid(closest.distortion, rays)).mean() > MAX_SHARE_OUTSIDE_DOMAIN:
             raise CalibrationError("not_representable", "the simpler model folds the image over")
         return closest, ()
     views = source.views
-    first = embed(source.camera, constraint.model)
+    first = _embed(source.camera, constraint.model)
     used = all_points(views)
     if first is None:
         size = source.camera.img_size

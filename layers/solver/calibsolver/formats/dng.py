@@ -43,7 +43,7 @@ class Dng(Format):
         conversion = convert_in_image(source, self.constraints)
         if conversion.camera.model != "fisheye":
             return conversion
-        four = refit_without_k4(conversion.camera)
+        four = _refit_without_k4(conversion.camera)
         whole = compare(source.camera, four)
         return Conversion(four, _within(source.camera, four), whole.coverage)
 
@@ -67,7 +67,7 @@ def farthest(camera: Camera) -> float:
     return math.hypot(max(cx, w - cx), max(cy, h - cy))
 
 
-def refit_without_k4(camera: Camera) -> Camera:
+def _refit_without_k4(camera: Camera) -> Camera:
     """Return the fisheye camera with k4 = 0 that is closest over the angles that the opcode reaches."""
     if camera.distortion[3] == 0:
         return camera

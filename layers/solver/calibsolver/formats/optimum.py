@@ -24,7 +24,7 @@ def at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
     A camera that the file holds exactly stays as it is: its fit ended there but for a weak prior.
     """
     camera = conversion.camera
-    used = conversion.used or used_points(camera, source.views)
+    used = conversion.used or _used_points(camera, source.views)
     if conversion.error == 0:
         return replace(conversion, used=used)
     subsets = [v.subset(m) for v, m in zip(source.views, used, strict=True)]
@@ -36,7 +36,7 @@ def at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
         return replace(conversion, used=used)
 
 
-def used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
+def _used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
     """Return for each view which points (n,) a robust fit at a camera keeps; all if it fails."""
     try:
         poses = resection.reprojection_score(camera, views).poses
