@@ -1,4 +1,4 @@
-"""Boards in drawn pictures, whose corners are known: found to a fraction of a pixel, and recognised."""
+"""Boards in drawn pictures, whose corners are known, and in real photographs and videos of CALIBDB_DATA."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board
+from calibdb_client.capture.video import board_in_video, read_video
 from calibdb_client.detection import Detector, recognise
 from calibdb_client.errors import CaptureError, MirroredError
 from calibdb_client.pictures import FoundViews, picture_paths, read, recognise_board
@@ -194,3 +195,34 @@ def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
 def test_spacing_on_which_pictures_disagree_is_refused() -> None:
     boards = [Board((4, 3), kind="aprilgrid", tag_spacing=spacing) for spacing in (0.2, 0.5)]
     assert recognise([board_pictures.picture(board, TILTS[0], 8.5) for board in boards]) is None
+
+
+WHITE_ON_BLACK = Board((4, 5), 0.75, inverted=True)
+VIDEOS = {
+    "caliscope_opt1.mp4": WHITE_ON_BLACK,
+    "caliscope_opt1_mpeg4.mp4": WHITE_ON_BLACK,
+    "caliscope_char0_mpeg4.mp4": WHITE_ON_BLACK,
+    "chessboard_yubin.mp4": Board((9, 7), kind="chessboard"),
+    "chessboard_uk.avi": Board((11, 8), kind="chessboard"),
+}
+FASTEST = "caliscope_char0_mpeg4.mp4"
+
+
+@external_data
+@pytest.mark.parametrize("name", [FASTEST, *thorough(*(name for name in VIDEOS if name != FASTEST))])
+def test_board_of_a_real_video_is_recognised(name: str) -> None:
+    assert board_in_video(data_dir() / "videos" / name) == VIDEOS[name]
+
+
+@external_data
+@pytest.mark.thorough
+def test_mirrored_video_is_recognised_and_turned_back() -> None:
+    path = data_dir() / "videos" / "caliscope_pre1_mirrored.mp4"
+    with pytest.raises(MirroredError):
+        board_in_video(path)
+    found = FoundViews()
+    assert read_video(path, None, found, mirrored=True) == WHITE_ON_BLACK
+    assert found.frames > 40
+    size, views = found.of_one_size()
+    assert size == (1280, 720)
+    assert len(views) == 4, "the other frames show poses that are too alike"

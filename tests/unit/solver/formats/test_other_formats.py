@@ -1,4 +1,4 @@
-"""mrcal, Lensfun, DNG, ARToolKit, WebXR and glTF: what their own arithmetic makes of our files."""
+"""mrcal, Lensfun, DNG, ARToolKit, WebXR and glTF: what they, or their arithmetic, make of our files."""
 
 import ast
 import base64
@@ -18,6 +18,7 @@ from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read_bytes
+from tests.helpers.node import run_module
 from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject, written
 
 W, H = IMG_SIZE
@@ -214,3 +215,76 @@ def test_gltf_states_its_omissions() -> None:
     assert lens["extras"]["distortion_coefficients"] == camera.distortion.tolist()
     assert file.error > 1
     assert f"{file.error:.2f}" in lens["extras"]["warning"]
+
+
+ARTOOLKIT = """
+import artoolkit from "@ar-js-org/artoolkit5-js";
+import { readFileSync } from "node:fs";
+console.log = () => {};
+const { file, width, height } = JSON.parse(readFileSync(0, "utf8"));
+const control = await artoolkit.ARController.initWithDimensions(width, height, Uint8Array.from(file));
+process.stdout.write(`\\n${JSON.stringify([...control.getCameraMatrix()])}`);
+process.exit(0); // it keeps a timer
+"""
+
+
+def test_artoolkit_draws_as_the_camera_that_was_written() -> None:
+    """But for its own matrix, which takes the picture to be a pixel smaller than it is."""
+    written = formats.write(subject("rectilinear"), "artoolkit")
+    matrix = run_module(ARTOOLKIT, sent={"file": list(written.content), "width": W, "height": H})
+    ours = np.frombuffer(written.content, ">f8", 12, offset=8).reshape(3, 4)[:, :3]
+    rng = np.random.default_rng(2)
+    rays = np.column_stack([rng.uniform(-0.6, 0.6, 200), rng.uniform(-0.35, 0.35, 200), np.ones(200)])
+    pinhole = (rays @ ours.T)[:, :2] + 0.5  # px from the picture's corner
+    drawn = np.column_stack([rays * (1, -1, -1), np.ones(200)]) @ np.array(matrix).reshape(4, 4)
+    ndc = drawn[:, :2] / drawn[:, 3:]
+    off = np.linalg.norm((ndc * (1, -1) + 1) / 2 * IMG_SIZE - pinhole, axis=1)
+    assert off.max() < 1
+    assert off.max() > 0.2, "or `applyCalibration` would not be needed beside it"
+
+
+THREE = """
+import { readFileSync } from 'node:fs';
+import { Matrix4, PerspectiveCamera, Vector3 } from 'three';
+const { files, points } = JSON.parse(readFileSync(0, 'utf8'));
+const at = ([x, y, z]) => new Vector3(x, -y, -z);
+const seen = (camera) => points.map((p) => at(p).project(camera).toArray().slice(0, 2));
+console.log(JSON.stringify(files.map(({ webxr, gltf }) => {
+  const ours = new PerspectiveCamera();
+  ours.projectionMatrix = new Matrix4().fromArray(webxr.projectionMatrix);
+  ours.projectionMatrixInverse = ours.projectionMatrix.clone().invert();
+  ours.updateMatrixWorld();
+  // what three's GLTFLoader does with a perspective camera
+  const { yfov, aspectRatio, znear, zfar } = gltf.cameras[0].perspective;
+  const loaded = new PerspectiveCamera(yfov * 180 / Math.PI, aspectRatio, znear, zfar);
+  loaded.updateMatrixWorld();
+  return { webxr: seen(ours), gltf: seen(loaded) };
+})));
+"""
+POINTS = np.random.default_rng(2).uniform((-0.5, -0.3, 1), (0.5, 0.3, 5), (40, 3))
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, dict[str, list[list[float]]]]:
+    """Pixels at which three.js draws the points with the files of each model."""
+    files = [
+        {name: json.loads(written(model, name).content) for name in ("webxr", "gltf")}
+        for model in models.NAMES
+    ]
+    found = run_module(THREE, sent={"files": files, "points": POINTS.tolist()})
+    return dict(zip(models.NAMES, found, strict=True))
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_points_are_projected_as_by_the_pinhole(
+    model: str, drawn: dict[str, dict[str, list[list[float]]]]
+) -> None:
+    camera, (w, h) = subject(model).camera, IMG_SIZE
+    said = {
+        name: np.stack([(q[:, 0] + 1) / 2 * w - 0.5, (1 - q[:, 1]) / 2 * h - 0.5], axis=1)
+        for name, q in ((name, np.array(q)) for name, q in drawn[model].items())
+    }
+    k = np.array(camera.matrix)
+    for name, centre in (("webxr", k[:2, 2]), ("gltf", np.array([w - 1, h - 1]) / 2)):
+        pinhole = POINTS[:, :2] / POINTS[:, 2:] * (k[0, 0], k[1, 1]) + centre
+        assert np.abs(said[name] - pinhole).max() < 1e-9 * w, name

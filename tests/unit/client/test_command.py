@@ -1,16 +1,57 @@
-"""Notices of the command: what it says of files that it does not use, and of uncertain parts of a picture."""
+"""The command: completion in a shell, suggestions for misspelt words, notices about files and pictures."""
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from calibdb_client.cli import main
+from calibdb_client.cli.completion import SHELLS, commands_of, options_of, script
 from calibdb_client.cli.output import calibration_facts
+from calibdb_client.cli.program import parser
 from calibdb_client.pictures import MAX_VIEWS, FoundViews
 from calibdb_client.recording import RecordedView
 
-pytestmark = pytest.mark.usefixtures("working")
+
+def completed(line: str) -> list[str]:
+    """Return the words that bash offers at the end of a line."""
+    words = line.split(" ")
+    quoted = " ".join(f"'{word}'" for word in words)
+    call = f"COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; _calibdb; "
+    asked = f'{call} echo "${{COMPREPLY[@]}}"'
+    run = subprocess.run(
+        ["/bin/bash", "-c", script("bash", parser()) + asked], capture_output=True, text=True, check=True
+    )
+    return run.stdout.split()
+
+
+def test_bash_completes_commands_and_their_options() -> None:
+    assert completed("calibdb ca") == ["calibrate", "cameras"]
+    assert completed("calibdb undistort --al") == ["--alpha"]
+    assert completed("calibdb check --ag") == ["--against"]
+    assert completed("calibdb check pho") == [], "files, which bash completes"
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_every_command_and_option_is_in_the_script(shell: str, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["completion", shell]) == 0
+    text = capfd.readouterr().out
+    for name, command in commands_of(parser()).items():
+        assert name in text
+        for flag in options_of(command):
+            long = shell == "fish" and flag.startswith("--")
+            assert (f"-l {flag[2:]} " if long else flag.lstrip("-")) in text
+
+
+def test_misspelt_option_is_answered_with_the_near_one(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["check", "photos", "--agianst", "camera.yaml"])
+    assert end.value.code == 2
+    assert "Did you mean --against?" in capfd.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["--versoin"])
+    assert "Did you mean --version?" in capfd.readouterr().err
 
 
 def said(capfd: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -18,6 +59,7 @@ def said(capfd: pytest.CaptureFixture[str], *arguments: str) -> str:
     return capfd.readouterr().err
 
 
+@pytest.mark.usefixtures("working")
 def test_folders_without_pictures_are_explained(capfd: pytest.CaptureFixture[str]) -> None:
     Path("parent/left").mkdir(parents=True)
     assert "name one of parent/left" in said(capfd, "parent")
