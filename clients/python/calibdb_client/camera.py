@@ -14,16 +14,10 @@ MAX_READS = 30
 
 
 class Camera:
-    """A `cv2.VideoCapture`, which cannot be derived from, with a label. Its attributes are also the camera's.
+    """A `cv2.VideoCapture`, which cannot be derived from, with the label and platform that Chromium uses.
 
-    Attributes
-    ----------
-    label, platform
-        Label and platform that Chromium uses on this machine.
-    img_size
-        Width and height of the pictures that it delivers, px.
-    zoom
-        0: browsers report zoom only to pages that may change it.
+    Attributes of the capture are also the camera's. Its zoom is 0: browsers report zoom only to pages that
+    may change it.
     """
 
     zoom = 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from .recording import RecordedView, Recording
 from .wire import Request
 
 if TYPE_CHECKING:
-    from .calibration import Calibration
+    from .calibration import Calibration, Maker
 
 CHECK_VIEWS = 3
 """Views of a check: three, tilted differently, tell whether a calibration fits."""
@@ -28,18 +28,10 @@ MAX_SENT_VIEWS = 5
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Result of a check.
+    """Result of a check: px rms of the views under the calibration, and expected, under their own fit.
 
-    Attributes
-    ----------
-    error, expected
-        px rms of the views under it, and under their own fit.
-    counted
-        True if the check counts as a vote.
-    votes
-        Number of votes that agree, and that disagree.
-    record
-        All that the service answered.
+    Votes are the numbers that agree and disagree; `counted`: this check is one. `record` is all that the
+    service answered.
     """
 
     fits: bool
@@ -54,7 +46,7 @@ class CheckResult:
 def check(
     recording: Recording,
     model: str,
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     consent: Mapping[str, str],
 ) -> Flow[CheckResult]:
     """Have the service score its calibration on the views of a recording, of which three are sent."""

@@ -19,9 +19,9 @@ from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeErro
 from .files import ExportedFile, PictureChange
 from .flows import Flow, T, segment
 from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
-from .recording import Recording, ignore
+from .recording import Progress, Recording, ignore
 from .rig import Rig
-from .session import CaptureResult, Progress
+from .session import CaptureResult
 from .wire import Failure, Reply, Request
 
 if TYPE_CHECKING:

@@ -37,12 +37,7 @@ class Result(Generic[T]):
 class Connection:
     """A service, and how it is spoken to; parameters as of `Client`.
 
-    Attributes
-    ----------
-    site
-        Its address, without `/v1` and without a slash at the end.
-    token
-        "" if there is none: then only the edge answers.
+    `site` has neither `/v1` nor a slash at the end. Without a token, "", only the edge answers.
     """
 
     site: str

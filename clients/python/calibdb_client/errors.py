@@ -66,18 +66,10 @@ class FieldProblem:
 
 
 class ProblemError(CalibDBError):
-    """An error that the service answered (RFC 9457, problem details).
+    """An error that the service answered (RFC 9457, problem details), with all its members.
 
-    Attributes
-    ----------
-    kind
-        Identifier of the kind of error: what follows the last `#` or `/` of `type`.
-    errors
-        Fields that were refused.
-    retry_after
-        Seconds after which the same request may succeed; None if the service names none.
-    members
-        All that was answered.
+    `kind` is what follows the last `#` or `/` of `type`; `retry_after`: seconds after which the same request
+    may succeed.
     """
 
     exit_status = 2

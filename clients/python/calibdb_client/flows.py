@@ -6,7 +6,7 @@ which may continue without it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from email.message import Message
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -18,7 +18,7 @@ from .key import CameraKey
 from .wire import Reply, Request
 
 if TYPE_CHECKING:
-    from .calibration import Calibration
+    from .calibration import Maker
     from .recording import Recording
 
 T = TypeVar("T")
@@ -50,7 +50,7 @@ def lookup(
     model: str,
     site: str,
     cache: Cache | None,
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     facts: Mapping[str, Any],
 ) -> Flow[Answer]:
     """Look a camera up: in the cache, at the edge of a site, then by POST.

@@ -1,7 +1,7 @@
 """Pictures of a board in files, and the corners that they show."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,7 +12,7 @@ from .board import Board
 from .detection import Detector, recognise
 from .detection.recognition import MAX_LOOKED_AT
 from .errors import CaptureError, UsageError
-from .recording import RecordedView
+from .recording import Progress, RecordedView
 
 T = TypeVar("T")
 
@@ -31,16 +31,10 @@ MIN_VIEWS = 4
 
 @dataclass
 class FoundViews:
-    """Views found in pictures so far, with their picture's size, px.
+    """Views found in pictures or a video so far, with their picture's size, px.
 
-    Attributes
-    ----------
-    empty, unreadable
-        Names of pictures without the board, and of files that are not images.
-    frames
-        Frames of a video that show the board; 0 for pictures.
-    broken
-        Sentence about a video that breaks off.
+    Names of pictures without the board, and of files that are not images; the number of frames of a video
+    that show the board, and a sentence about one that breaks off.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
@@ -144,7 +138,7 @@ def read(
     paths: Sequence[Path],
     board: Board,
     board_views: FoundViews,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     most: int | None = MAX_PICTURES,
     mirrored: bool = False,
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from .detection import Corners
 
+Progress = Callable[[int, int], None]
+"""Called with the number done, and the number of all."""
 FORMAT = "calibdb-recording-1"
 _MEMBER = "recording"
 

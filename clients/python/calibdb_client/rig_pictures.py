@@ -11,9 +11,9 @@ from .errors import CaptureError, UsageError
 from .key import AUTO, UNNAMED, CameraKey, checked_model
 from .model_choice import chosen_model
 from .pictures import PLATFORM, FoundViews, picture_paths
-from .recording import RecordedView, Recording
+from .recording import Progress, RecordedView, Recording
 from .rig import Rig
-from .session import Progress, refusal
+from .session import refusal
 
 MIN_CAMERAS, MAX_CAMERAS = 2, 8
 MIN_MOMENTS = 3
@@ -25,12 +25,7 @@ _RIG_REASONS = {"contradicts": "it contradicts the others: the pictures are not 
 class RigResult:
     """Result of a rig's calibration.
 
-    Attributes
-    ----------
-    moments
-        Number of moments that two cameras or more saw.
-    left_out
-        Pictures, as folder/name, that took no part, and why.
+    `moments` were seen by two cameras or more; pictures left out are folder/name.
     """
 
     rig: Rig

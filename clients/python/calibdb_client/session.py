@@ -1,19 +1,17 @@
 """Sessions of the service, and results of captures."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from .board import Board
-from .calibration import Calibration
+from .calibration import Calibration, Maker
 from .errors import CaptureError, ConflictError, UsageError
 from .flows import Flow
 from .model_choice import chosen_model
-from .recording import Recording
+from .recording import Progress, Recording
 from .wire import Request
 
-Progress = Callable[[int, int], None]
-"""Called with the number done, and the number of all."""
 LICENCE = "CC0-1.0"
 """The licence under which the database gives calibrations away."""
 LICENCE_VERSION = "2026-11-22"
@@ -100,7 +98,7 @@ def consent_of(licence: str | None, mode_name: str | None = None) -> dict[str, s
 def submit(
     recording: Recording,
     model: str,
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     progress: Progress | None = None,
     consent: Mapping[str, str] | None = None,
 ) -> Flow[CaptureResult]:
@@ -150,7 +148,7 @@ def submit(
 
 def result_of(
     state: Mapping[str, Any],
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     used: int,
     left_out: tuple[tuple[str, str], ...],
     suggested: str | None,

@@ -30,14 +30,8 @@ _ESCAPE = 27
 class Scene:
     """State of a capture at one frame.
 
-    Attributes
-    ----------
-    points
-        (n, 2) px, corners seen; None: the board is not in sight.
-    target
-        None while the service is asked.
-    hold
-        0 to 1, part of the time for which the board must be held still.
+    Corners seen are (n, 2) px, None without a board; there is no target while the service is asked. `hold`: 0
+    to 1, part of the time for which the board must be held still.
     """
 
     picture: Any

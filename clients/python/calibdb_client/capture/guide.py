@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from calibsolver.arrays import Array
 
-from ..calibration import Calibration
+from ..calibration import Maker
 from ..flows import Flow
 from ..key import live_model
 from ..offline import calibrate_recording
@@ -21,23 +21,15 @@ from ..wire import Request
 if TYPE_CHECKING:
     from calibsolver.guidance import TargetPose
 
-Maker = Callable[[Mapping[str, Any]], Calibration]
 TARGET_ERROR_WIDTHS = 0.3 / 1280
 """Predicted error / image width at which a capture ends, as the service has it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A pose in which the board is wanted, as the camera would see it.
+    """Pose in which the board is wanted: corners (n, 2) px with their ids, and the board's edge (m, 2) px.
 
-    Attributes
-    ----------
-    index
-        Index for the view that answers it.
-    ids, corners
-        Corners in the picture (n), and their places (n, 2) px.
-    outline
-        (m, 2) px, edge of the board.
+    `index` is that of the view that answers it.
     """
 
     index: int
@@ -58,17 +50,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Status:
-    """Course of a capture.
-
-    Attributes
-    ----------
-    views
-        Number of views that are in.
-    progress
-        0 to 1.
-    error
-        Predicted error over the image, px; None: there is no fit yet.
-    """
+    """Course of a capture: views that are in, progress 0 to 1, and predicted error over the image, px."""
 
     views: int = 0
     progress: float = 0.0

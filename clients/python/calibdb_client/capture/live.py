@@ -54,16 +54,10 @@ MAX_RECOGNITION_FRAMES = 900
 
 @dataclass
 class _Aim:
-    """The target of the moment, and how near the board came to it.
+    """Target of the moment, and how near the board came to it.
 
-    Attributes
-    ----------
-    outline
-        The board's edge (4, 2) px in it; None if it shows too little.
-    since, refused_at
-        Seconds, when it was set, and when a view at it was refused.
-    nearest, nearest_at
-        Least distance from it so far, and when.
+    `outline` is the board's edge (4, 2) px in it, None if it shows too little. Times are seconds;
+    `refused_at` is that of a view at it.
     """
 
     target: Target

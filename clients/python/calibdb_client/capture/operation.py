@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from ..board import Board
+from ..calibration import Maker
 from ..devices import platform_of
 from ..errors import CalibDBError, UsageError
 from ..flows import Flow
@@ -16,7 +17,7 @@ from ..key import UNNAMED, CameraKey
 from ..recording import Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Terminal, Window, has_window
-from .guide import Guide, Maker, OfflineGuide, ServiceGuide
+from .guide import Guide, OfflineGuide, ServiceGuide
 from .live import Live, first_board
 from .source import Frames, NamedSource, open_source
 

@@ -27,16 +27,9 @@ _FRAME_COUNT, _POSITION_MSEC = 7, 0  # of cv2.VideoCapture
 
 @dataclass(frozen=True, eq=False)
 class NamedSource:
-    """An open source, and what is known of its camera.
+    """Open source: its name in sentences, without a password, and label and platform of a local camera.
 
-    Attributes
-    ----------
-    name
-        Its name in sentences, without a password.
-    label, platform
-        Of a local camera; None: the caller must name it.
-    owned
-        True if it was opened here and must be closed.
+    `owned`: it was opened here and must be closed.
     """
 
     source: Any
@@ -53,10 +46,7 @@ class NamedSource:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One picture (h, w) or (h, w, 3), 8 bits; `time` in seconds from any start.
-
-    `repeated`: True if it is identical to the previous one.
-    """
+    """One picture (h, w) or (h, w, 3), 8 bits, its time in seconds; `repeated` is the previous one again."""
 
     picture: Any
     time: float

@@ -1,6 +1,6 @@
 """Views of a recorded video."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ from ..detection import Corners, Detector, recognise
 from ..detection.recognition import MAX_LOOKED_AT
 from ..errors import CaptureError
 from ..pictures import FoundViews
-from ..recording import RecordedView
+from ..recording import Progress, RecordedView
 from .source import open_source
 from .stillness import REFERENCE_WIDTH_PX, motion
 
@@ -30,7 +30,7 @@ def read_video(
     path: str | Path,
     board: Board | None,
     board_views: FoundViews,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     mirrored: bool = False,
 ) -> Board:
     """Find the board in a video; add the views in which it moves least, at many places, to `board_views`.

@@ -3,12 +3,13 @@
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..files import ExportedFile, write_whole
+from ..recording import Progress
 
 LINES_EVERY_S = 5.0
 """Time between two lines of progress without a terminal."""
@@ -125,7 +126,7 @@ def _covered(record: Mapping[str, Any]) -> str:
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+def progress(what: str) -> Iterator[Progress]:
     """Show how many of how many are done, as long as the block lasts."""
     if not sys.stderr.isatty():
         yield _lines(what)
@@ -139,7 +140,7 @@ def progress(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, count: shown.update(task, completed=done, total=count)
 
 
-def _lines(what: str) -> Callable[[int, int], None]:
+def _lines(what: str) -> Progress:
     written = time.monotonic()
 
     def advance(done: int, count: int) -> None:

@@ -65,11 +65,10 @@ class AprilGridFinder:
 
 
 def _corners_of_tags(board: Board, ids: Any, tags: Array) -> tuple[Any, Any]:
-    """Return ids (n,) and corners (n, 2) px of tags, numbered as the board's.
+    """Return ids (n,) and corners (n, 2) px of tags, numbered as the board's, smoothed by tags around.
 
-    They lie where the tags around each say that they are. Contours run from a tag into the squares that are
-    printed into the corners between tags: single corners lie some pixels off, a smooth map of their
-    neighbours does not.
+    Contours run from a tag into the squares that are printed into the corners between tags: single corners
+    lie some pixels off.
     """
     corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
     points = _number_corners(board, ids, tags).reshape(-1, 2)
@@ -81,9 +80,8 @@ def _corners_of_tags(board: Board, ids: Any, tags: Array) -> tuple[Any, Any]:
 def _number_corners(board: Board, ids: Any, tags: Array) -> Array:
     """Return the corners (n, 4, 2) px of tags, anticlockwise from the lower left on the upright board.
 
-    Detectors begin with the corner that is first in the tag's code, which prints turn as they like. The
-    places of the tags say how the board is turned: a similarity from the board to the picture, without
-    mirroring.
+    Detectors begin with the first corner of the tag's code, which prints turn as they like. The places of the
+    tags say how the board is turned: a similarity from the board to the picture, without mirroring.
     """
     places = board.places.reshape(-1, 4, 2)[ids]
     middles, centres = places.mean(axis=1), tags.mean(axis=1)

@@ -21,9 +21,9 @@ MIN_AGREEMENT = 0.6
 def find_corners(grey: Any, size: tuple[int, int], thorough: bool = True) -> Any | None:
     """Return the corners (rows, columns, 2) px of a chessboard in a picture (h, w); None if it is not seen.
 
-    `size`: columns and rows of corners. The sector-based detector as it is; if `thorough` then on the
-    normalised picture and exhaustively, and the classic one (Duda & Frese, BMVC 2018; OpenCV's
-    documentation): each finds boards that the others miss.
+    By the sector-based detector; if `thorough` then on the normalised picture and exhaustively, and by the
+    classic one (Duda & Frese, BMVC 2018; OpenCV's documentation): each finds boards that the others miss.
+    `size`: columns and rows of corners.
     """
     cv2 = opencv()
     columns, rows = size

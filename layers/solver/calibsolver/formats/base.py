@@ -16,22 +16,9 @@ MAX_INVISIBLE_PX = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ExportSource:
-    """Calibration to be written.
+    """Calibration to be written, of views, which may be none, of one board if it is known.
 
-    Attributes
-    ----------
-    views
-        The measurements it was fitted to; may be none.
-    board
-        The board that the views show, if it is one board.
-    name, identifier
-        The camera's label, and the calibration's id.
-    rms
-        px over all measurements.
-    time
-        Unix seconds of the calibration.
-    record
-        All that the service answers about it.
+    `rms` in px, `time` in Unix seconds; `record` is all that the service answers about it.
     """
 
     camera: Camera
@@ -107,20 +94,10 @@ class ExportedFile:
 
 @dataclass(frozen=True, eq=False)
 class ImportedFile:
-    """Content of a file.
+    """Content of a file: a camera, None of mere measurements, and views on the file's board, in its unit.
 
-    Attributes
-    ----------
-    camera
-        None if the file has only measurements.
-    views
-        With the coordinates of the file's own board, in its unit.
-    name
-        The camera's name in the file, or "".
-    cameras
-        Names of all cameras in a file with several, in the order of their numbers.
-    error
-        px, largest distance from the projections by the file's camera, if calibsolver lacks its model.
+    `cameras` are the names of all in a file with several. `error`: px, largest distance from the projections
+    by the file's camera, if calibsolver lacks its model.
     """
 
     camera: Camera | None
@@ -132,18 +109,10 @@ class ImportedFile:
 
 @dataclass(frozen=True)
 class ReaderOptions:
-    """Facts that a file may lack and its caller may pass.
+    """Facts that a file may lack: size of the pictures, px; columns and rows of a board with corners.
 
-    Attributes
-    ----------
-    img_size
-        Width and height of the pictures, px.
-    number
-        Number of the camera in a file with several, from 0.
-    squares
-        Columns and rows of the board, for tables of corners.
-    model
-        Distortion model of coefficients without a name: four are k1 k2 p1 p2, or a fisheye's k1 to k4.
+    `number` is that of the camera in a file with several, from 0. `model` is that of coefficients without a
+    name: four are k1 k2 p1 p2, or a fisheye's k1 to k4.
     """
 
     img_size: tuple[int, int] | None = None

@@ -17,15 +17,7 @@ MAX_BOARD_SIDE = 64
 
 @dataclass(frozen=True)
 class Grid:
-    """Views of a board of corners in rows and columns.
-
-    Attributes
-    ----------
-    squares
-        (columns, rows) of a board that has these corners.
-    ids
-        For each view the ids of its points, in their order.
-    """
+    """Views of a board of corners: (columns, rows) of its squares, and the ids of the points of each view."""
 
     squares: tuple[int, int]
     ids: tuple[tuple[int, ...], ...]
