@@ -1,8 +1,6 @@
 """mrcal, Lensfun, DNG, ARToolKit, WebXR and glTF: what they, or their arithmetic, make of our files."""
 
 import ast
-import base64
-import io
 import json
 import math
 import struct
@@ -20,6 +18,7 @@ from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read_bytes
 from tests.helpers.node import run_module
 from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject, written
+from tests.unit.solver.formats.test_conversion_error import inputs
 
 W, H = IMG_SIZE
 
@@ -35,14 +34,13 @@ def test_mrcal_model_has_every_member_of_the_reader(model: str) -> None:
     assert len(data["intrinsics"]) == 4 + sizes[data["lensmodel"]]
     assert data["imagersize"] == [W, H]
     assert data["extrinsics"] == data["rt_cam_ref"] == [0] * 6
-    assert isinstance(data["optimization_inputs"], bytes)
     assert data["icam_intrinsics"] == 0
-    with np.load(io.BytesIO(base64.b85decode(data["optimization_inputs"])), allow_pickle=False) as inputs:
-        seen = inputs["observations_board"]
-        assert seen.shape == (len(mine.views), 5, 8, 3)
-        assert int((seen[..., 2] > 0).sum()) == sum(len(view) for view in mine.views)
-        # the poses are those of the corner grid, whose origin is its first corner
-        rt, k, d = inputs["frames_rt_toref"][0], data["intrinsics"][:4], data["intrinsics"][4:]
+    arrays = inputs(file)
+    seen = arrays["observations_board"]
+    assert seen.shape == (len(mine.views), 5, 8, 3)
+    assert int((seen[..., 2] > 0).sum()) == sum(len(view) for view in mine.views)
+    # the poses are those of the corner grid, whose origin is its first corner
+    rt, k, d = arrays["frames_rt_toref"][0], data["intrinsics"][:4], data["intrinsics"][4:]
     column, row = np.meshgrid(np.arange(8.0), np.arange(5.0))
     points = np.stack([column, row, np.zeros_like(row)], axis=2).reshape(-1, 3)
     matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
@@ -184,15 +182,10 @@ def test_camera_para_is_read_by_artoolkits_own_arithmetic() -> None:
     k1, k2, p1, p2, fx, fy, x0, y0, s = rest[12:]
     assert (w, h, s) == (W, H, 1.0)
     rays, q = image_rays(mine.camera)
-    ideal = rays @ matrix[:, :3].T
-    ideal = ideal[:, :2] / ideal[:, 2:]
-    # arParamIdeal2Observ, version 4
-    x, y = (ideal[:, 0] - x0) * s / fx, (ideal[:, 1] - y0) * s / fy
-    r2 = x * x + y * y
-    radial = 1 + k1 * r2 + k2 * r2 * r2
-    ox = (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) * fx + x0
-    oy = (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) * fy + y0
-    assert np.linalg.norm(np.stack([ox, oy], axis=1) - q, axis=1).max() <= file.error + 0.01
+    assert matrix.tolist() == [[fx, 0, x0, 0], [0, fy, y0, 0], [0, 0, 1, 0]]
+    # arParamIdeal2Observ of version 4 is then OpenCV's formula.
+    distorted = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), matrix[:, :3], np.array([k1, k2, p1, p2]))
+    assert np.linalg.norm(distorted[0][:, 0] - q, axis=1).max() <= file.error + 0.01
 
 
 # ---- pages

@@ -3,7 +3,6 @@
 import json
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
-from typing import Any
 
 import cv2
 import numpy as np
@@ -141,42 +140,18 @@ def test_colmap_projects_half_a_pixel_further(model: str) -> None:
         assert params[2] == subject(model).camera.matrix[0, 2] + 0.5
 
 
-def brown(data: dict[str, Any]) -> Callable[[Array], Array]:
-    """OpenSfM's documented projections, normalised coordinates and back to pixels."""
-
-    def project(rays: Array) -> Array:
-        side, x = max(data["width"], data["height"]), rays / np.linalg.norm(rays, axis=1)[:, None]
-        if data["projection_type"] == "brown":
-            u = np.where(x[:, 2:] > 0.02, x[:, :2] / x[:, 2:], np.nan)
-            r2 = (u**2).sum(axis=1)
-            radial = 1 + r2 * (data["k1"] + r2 * (data["k2"] + r2 * data["k3"]))
-            x2, y2, xy = u[:, 0] ** 2, u[:, 1] ** 2, u[:, 0] * u[:, 1]
-            d = np.stack(
-                [
-                    u[:, 0] * radial + 2 * data["p1"] * xy + data["p2"] * (r2 + 2 * x2),
-                    u[:, 1] * radial + data["p1"] * (r2 + 2 * y2) + 2 * data["p2"] * xy,
-                ],
-                axis=1,
-            )
-        else:
-            flat = np.hypot(x[:, 0], x[:, 1])
-            t = np.arctan2(flat, x[:, 2])
-            t2 = t * t
-            td = t * (1 + t2 * (data["k1"] + t2 * (data["k2"] + t2 * (data["k3"] + t2 * data["k4"]))))
-            d = x[:, :2] / np.maximum(flat, 1e-12)[:, None] * td[:, None]
-        q = d * (data["focal_x"], data["focal_y"]) + (data["c_x"], data["c_y"])
-        return q * side + np.array([data["width"] - 1, data["height"] - 1]) / 2
-
-    return project
-
-
 @pytest.mark.parametrize("model", models.NAMES)
 def test_opensfm_is_centred_and_scaled_by_the_larger_side(model: str) -> None:
     file = written(model, "opensfm")
     ((name, data),) = json.loads(file.content).items()
     assert name == subject(model).name
-    assert data["projection_type"] in ("brown", "fisheye_opencv")
-    off(model, file, brown(data))
+    names = {"brown": ("k1", "k2", "p1", "p2", "k3"), "fisheye_opencv": ("k1", "k2", "k3", "k4")}
+    d = np.array([data[name] for name in names[data["projection_type"]]])
+    w, h = data["width"], data["height"]
+    fx, fy, cx, cy = (max(w, h) * data[name] for name in ("focal_x", "focal_y", "c_x", "c_y"))
+    k = np.array([[fx, 0, cx + (w - 1) / 2], [0, fy, cy + (h - 1) / 2], [0, 0, 1]])
+    # OpenSfM documents both with OpenCV's formulas.
+    off(model, file, opencv(k, d, data["projection_type"] == "fisheye_opencv"))
 
 
 @pytest.mark.parametrize("model", models.NAMES)
