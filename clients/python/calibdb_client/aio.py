@@ -11,7 +11,7 @@ from typing import Any, Concatenate
 
 import httpx
 
-from .client import Client, P, Service, annotated
+from .client import Client, P, Service
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Result, failure
 from .flows import Flow, T
 from .wire import Failure, Reply
@@ -27,7 +27,7 @@ def awaited(
     async def method(client: AsyncClient, /, *arguments: P.args, **options: P.kwargs) -> T:
         return await client._run(conversation(client, *arguments, **options), in_thread)
 
-    return annotated(method)
+    return method
 
 
 class AsyncClient(Service):

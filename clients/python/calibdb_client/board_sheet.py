@@ -3,6 +3,7 @@
 import io
 import math
 from collections.abc import Iterator
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -43,13 +44,12 @@ def pdf(board: Board, paper: str = "a4", square_mm: float | None = None) -> byte
     w, h = _sheet(board, paper)
     (columns, rows), quiet = board.size, _quiet(board)
     left, top = (w - side * columns) / 2, (h - MARGIN_MM - side * rows) / 2
-    ink = list(black(board))
+    sheet = "0 g"
     if board.inverted:
-        sheet = f"0 g {_rectangle(left - quiet * side, top - quiet * side, *_grown(board, side), h)} f 1 g"
-    else:
-        sheet = "0 g"
+        grown = (columns + 2 * quiet) * side, (rows + 2 * quiet) * side
+        sheet = f"0 g {_rectangle(left - quiet * side, top - quiet * side, *grown, h)} f 1 g"
     drawn = "\n".join(
-        _rectangle(left + side * x, top + side * y, side * a, side * b, h) for x, y, a, b in ink
+        _rectangle(left + side * x, top + side * y, side * a, side * b, h) for x, y, a, b in black(board)
     )
     said = f"calibDB board: {_details(board, side)}. Print at 100 %, and glue it to something flat."
     text = f"BT /F1 8 Tf {_pt(MARGIN_MM):.2f} {_pt(MARGIN_MM / 2):.2f} Td ({said}) Tj ET"
@@ -130,13 +130,12 @@ def _marker(board: Board, identifier: int, left: float, top: float, side: float)
 
 def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Rectangle]:
     """Yield the runs of black cells in one row of a marker: in one piece, without hairlines."""
-    start = None
-    for column, is_black in enumerate([*line, False]):
-        if is_black and start is None:
-            start = column
-        elif not is_black and start is not None:
-            yield left + start * cell, top, (column - start) * cell, cell
-            start = None
+    column = 0
+    for is_black, run in groupby(line):
+        count = len(list(run))
+        if is_black:
+            yield left + column * cell, top, count * cell, cell
+        column += count
 
 
 def _details(board: Board, side: float) -> str:
@@ -149,11 +148,6 @@ def _details(board: Board, side: float) -> str:
 def _quiet(board: Board) -> float:
     """Black about an inverted board, board units: its outermost cells need an edge."""
     return 0.25 if board.inverted else 0.0
-
-
-def _grown(board: Board, side: float) -> tuple[float, float]:
-    w, h = board.size
-    return (w + 2 * _quiet(board)) * side, (h + 2 * _quiet(board)) * side
 
 
 def _rectangle(left: float, top: float, width: float, height: float, page: float) -> str:

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 
 P = ParamSpec("P")
-Q = ParamSpec("Q")
 
 
 class Service:
@@ -62,21 +61,15 @@ class Service:
 
 
 def driven(call: Callable[Concatenate[Any, P], Flow[T]]) -> Callable[Concatenate[Client, P], T]:
-    """Make a method of `Client` that returns the result of a conversation."""
+    """Make a method of `Client` that returns, and says that it returns, the result of a conversation."""
 
     @functools.wraps(call)
     def method(client: Client, /, *arguments: P.args, **options: P.kwargs) -> T:
         return client._run(call(client, *arguments, **options))
 
-    return annotated(method)
-
-
-def annotated(method: Callable[Q, T]) -> Callable[Q, T]:
-    """Let a method that was written as a conversation, `Flow[T]`, say that it returns `T`."""
-    said = method.__annotations__["return"]
-    result = said.removeprefix("Flow[").removesuffix("]") if said.startswith("Flow[") else said
-    method.__annotations__ = {**method.__annotations__, "return": result}
-    signature = inspect.signature(method)
+    signature = inspect.signature(call)
+    result = signature.return_annotation.removeprefix("Flow[").removesuffix("]")
+    method.__annotations__ = {**call.__annotations__, "return": result}
     method.__signature__ = signature.replace(return_annotation=result)  # type: ignore[attr-defined]
     return method
 
