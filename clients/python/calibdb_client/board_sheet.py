@@ -18,7 +18,6 @@ PAPERS_MM = {"a4": (297.0, 210.0), "a3": (420.0, 297.0), "letter": (279.4, 215.9
 MARGIN_MM = 10.0
 MAX_PNG_PX = 8192
 DISK_ROWS = 96
-"""Rows of which a printed circle is made."""
 _POINTS_PER_MM = 72 / 25.4
 _TAG_BORDER = 2  # cells of black frame, as Kalibr prints AprilGrids; of other markers it is one
 Rectangle = tuple[float, float, float, float]

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 MAX_FILES = 500
-"""Files that are kept; the oldest give way."""
 MAX_AGE_S = 24 * 3600
 """Maximum time for which a response is cached, whatever its headers say."""
 

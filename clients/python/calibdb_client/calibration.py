@@ -27,7 +27,6 @@ Exporter = Callable[[str, str], ExportedFile]
 """Fetches the file of an id, of a calibration or rig, in a format."""
 
 Maker = Callable[[Mapping[str, Any]], "Calibration"]
-"""Makes a calibration of a record."""
 _NATIVE = "calibdb"
 Source = Literal["cache", "edge", "service"]
 

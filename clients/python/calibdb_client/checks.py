@@ -23,7 +23,6 @@ CHECK_VIEWS = 3
 """Views of a check: three, tilted differently, tell whether a calibration fits."""
 
 MAX_SENT_VIEWS = 5
-"""Views of a comparison that the service takes."""
 
 
 @dataclass(frozen=True)

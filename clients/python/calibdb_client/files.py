@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from calibsolver import image_transform
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Bytes of a file that is read."""
 
 
 def write_whole(path: Path, content: bytes) -> None:

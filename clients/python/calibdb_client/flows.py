@@ -25,9 +25,7 @@ T = TypeVar("T")
 Flow = Generator[Request, Reply, T]
 
 MAX_LOOKUP_VIEWS = 5
-"""Views that a lookup takes."""
 MAX_PAGES = 200
-"""Pages of a search that are read, at most."""
 
 
 def facts(reported: Mapping[str, float] | None, views: Recording | None) -> dict[str, Any]:

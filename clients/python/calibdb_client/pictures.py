@@ -18,7 +18,6 @@ T = TypeVar("T")
 
 SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp"})
 UNREAD = frozenset({".heic", ".heif", ".avif", ".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf"})
-"""Suffixes of pictures that OpenCV does not read."""
 PLATFORM = "photographs"
 """Platform of pictures that no browser's camera took."""
 MAX_PICTURES = 400

@@ -17,7 +17,6 @@ from .session import refusal
 
 MIN_CAMERAS, MAX_CAMERAS = 2, 8
 MIN_MOMENTS = 3
-"""Moments that two cameras share, of which a rig is calibrated."""
 _RIG_REASONS = {"contradicts": "it contradicts the others: the pictures are not of one moment"}
 
 

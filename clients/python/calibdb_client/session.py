@@ -13,7 +13,6 @@ from .recording import Progress, Recording
 from .wire import Request
 
 LICENCE = "CC0-1.0"
-"""The licence under which the database gives calibrations away."""
 LICENCE_VERSION = "2026-11-22"
 """Date of the terms that this version of the client refers to: `/terms/` of the site."""
 _REASONS = {

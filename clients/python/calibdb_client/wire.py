@@ -22,7 +22,6 @@ MAX_WAIT_S = 8.0
 """Longest pause before a request is repeated; longer ones are the caller's."""
 FIRST_WAIT_S = 0.25
 MAX_BODY_BYTES = 32 * 1024 * 1024
-"""Largest response that is read."""
 
 _REPEATED = frozenset({429, 500, 502, 503, 504})
 _ERRORS: Mapping[int, type[ProblemError]] = {

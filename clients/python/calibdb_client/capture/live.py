@@ -48,7 +48,6 @@ MIN_APPROACH = 0.05
 LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
 """Time in which a steady hand would be still; later, so many times its motion also counts as still."""
 RECOGNITION_FRAMES = 5
-"""Frames in which an undescribed board is looked for."""
 MAX_RECOGNITION_FRAMES = 900
 
 

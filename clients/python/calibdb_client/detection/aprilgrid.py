@@ -25,13 +25,11 @@ REWEIGHTINGS = 8
 MIN_STRAY_PX = 1.0
 """Distance from where its neighbours say up to which a corner is none of another thing."""
 MAX_STRAY_RATIO = 6.0
-"""Distance of such a corner / the median of all corners."""
 USUAL_SPACINGS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
 """Spacings that boards are printed with; Kalibr's own is 0.3."""
 MAX_SNAP, MAX_SNAP_COARSE = 0.012, 0.022
 """Difference from a usual spacing up to which that is meant: of a fit, and of places only."""
 MIN_TAGS = 10
-"""Tags in an image from which the spacing follows."""
 MAX_CURVE_RATIO = 0.6
 """Least distance from smooth places over the trials / the median of them: else nothing is determined."""
 MAX_DISAGREEMENT = 0.08

@@ -11,7 +11,6 @@ from ..errors import CaptureError
 from .corners import STEPS
 
 MAX_COUNTED = 6
-"""Pictures in which the corners of a board are counted."""
 MAX_CANDIDATES = 4
 """Sizes of a board that are tried, those that most corners speak for."""
 MIN_AGREEMENT = 0.6

@@ -23,7 +23,6 @@ from .detector import grey_of
 from .markers import Key, Markers, find_markers
 
 MAX_LOOKED_AT = 8
-"""Pictures in which one board is looked for."""
 MAX_SEARCHED = 3
 """Pictures of these, and families of markers, that are tried; more would say the same."""
 MAX_SIDE_PX = 1600
@@ -165,9 +164,8 @@ def _sides(layout: Layout, markers: Markers) -> list[float]:
     if matrix is None:
         return []
     corners = opencv().perspectiveTransform(markers.corners.reshape(1, -1, 2), matrix).reshape(-1, 4, 2)
-    return [
-        float(each) for each in np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).mean(axis=1)
-    ]
+    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    return [float(each) for each in lengths.mean(axis=1)]
 
 
 def _smallest(family: str, count: int) -> str:

@@ -52,7 +52,6 @@ FORMAT_NAMES = tuple(FORMATS)
 MAX_CONVERSION_S = 2.5
 """Time for a conversion, where the time is limited: of a picture that people take it is a fifth of it."""
 MIN_SIDE_PX = 16
-"""Side of a picture that a file is written of."""
 
 __all__ = [
     "FORMATS",

@@ -57,11 +57,8 @@ def read(data: Mapping[Any, Any]) -> ImportedFile:
     if kind not in ("frame", "fisheye"):
         raise text.refuse(f"the projection {kind[:40]!r} is not supported, frame and fisheye are")
     size = text.width_height((members.get("width"), members.get("height")))
-    if (
-        value("b2")
-        or (kind == "frame" and value("k4"))
-        or (kind == "fisheye" and (value("p1") or value("p2")))
-    ):
+    absent = ("b2", "k4") if kind == "frame" else ("b2", "p1", "p2")
+    if any(map(value, absent)):
         raise text.refuse("skew (b2), k4 of a frame camera, or p1 and p2 of a fisheye are not supported")
     if value("p3") or value("p4"):
         raise text.refuse("p3 and p4 are not supported")

@@ -56,14 +56,12 @@ class Conversion:
     @property
     def warning(self) -> str | None:
         """Note for the reader of the file; None if the conversion cannot be seen."""
-        said = ""
+        off, said = f"up to {self.error:.2f} px off", ""
         if self.coverage < 0.999:
-            said = (
-                f"Approximation: this format holds {100 * self.coverage:.0f} % of the image; "
-                f"there it is up to {self.error:.2f} px off."
-            )
+            share = f"{100 * self.coverage:.0f} % of the image"
+            said = f"Approximation: this format holds {share}; there it is {off}."
         elif self.error > MAX_INVISIBLE_PX:
-            said = f"Approximation: up to {self.error:.2f} px off somewhere in the image."
+            said = f"Approximation: {off} somewhere in the image."
         return f"{said} {self.remark}".strip() or None
 
 
@@ -77,7 +75,6 @@ class ModelConstraint:
 
 
 ANY_MODEL = tuple(ModelConstraint(model) for model in models.NAMES)
-"""Constraints of a format that holds every camera."""
 
 
 @dataclass(frozen=True)

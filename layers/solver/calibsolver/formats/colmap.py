@@ -24,9 +24,7 @@ MODELS = {
 }
 """Parameters of the models that are known here, and whether they are of the angle."""
 MAX_LINE_LENGTH = 1000
-"""Characters of a line that describes a camera."""
 _LINE = re.compile(r"\d{1,9} ([A-Z][A-Z_]{2,40}) (\d{1,9}) (\d{1,9})((?: [-+.eE\d]+)+)", re.ASCII)
-"""Such a line, one blank between its words."""
 
 
 class Colmap(Format):

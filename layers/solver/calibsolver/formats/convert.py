@@ -58,7 +58,7 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     for constraint in constraints:
         try:
             camera, used = fitted(source, constraint)
-            conversion = replace(compare(source.camera, camera), used=used if source.views else ())
+            conversion = replace(compare(source.camera, camera), used=used)
             candidates.append((_rms(source, camera, widest), conversion))
         except CalibrationError as error:
             reasons.append(str(error))

@@ -12,13 +12,9 @@ from .base import ImportedFile, ReaderOptions
 from .members import DISTORTION, MATRIX, Members, image_size, normalise, words
 
 MAX_DEPTH = 8
-"""Levels of members in which cameras are looked for."""
 MAX_CAMERAS = 200
-"""Of one file."""
 FILE_SUFFIXES = (".yaml", ".yml", ".xml", ".json", ".ini", ".txt")
-"""Ends of the names of calibration files."""
 MAX_PATH_LENGTH = 300
-"""Characters of a string that may be the path of another file."""
 
 
 FoundCamera = tuple[str, Callable[[ReaderOptions], ImportedFile]]

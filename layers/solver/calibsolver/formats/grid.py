@@ -12,7 +12,6 @@ from . import text
 MAX_CORNER_OFFSET = 0.02
 """Squares by which a point may lie off its corner."""
 MAX_BOARD_SIDE = 64
-"""Squares on a side of a board."""
 
 
 @dataclass(frozen=True)

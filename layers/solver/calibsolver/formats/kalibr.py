@@ -10,7 +10,6 @@ from .foreign_models import closest_camera, rays_of_kind
 from .format import Format
 
 INTRINSICS_COUNTS = {"pinhole": 4, "omni": 5}
-"""Numbers of intrinsics by camera_model."""
 
 
 class Kalibr(Format):

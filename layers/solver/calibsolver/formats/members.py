@@ -60,7 +60,6 @@ SIDES = _pairs(
     "resolutionx,resolutiony widthpx,heightpx imagecols,imagerows imgw,imgh xres,yres resx,resy w,h "
     "nx,ny"
 )
-"""Width and height."""
 SIZE = words(
     "imgsize imagesize resolution cameraresolution imsize imageresolution framesize calibdimension "
     "calibrationresolution imagedimensions imagesizes dimensions size resolutions viewport"
@@ -100,7 +99,6 @@ _STATED = words("distortionmodel modeltype distortiontype distmodel projectionmo
 _CAMERA = words("cameramodel cameratype type model intrinsicstype lensmodel lens cameramodeltype")
 _FLAGS = words("fisheyemodel fisheye isfisheye usefisheye useopencvfisheye fisheyelens")
 MAX_MEMBERS = 10_000
-"""Of one mapping that is looked at."""
 
 
 def normalise(name: object) -> str:

@@ -15,11 +15,10 @@ _RADIAL = ("none", "pinhole", "radial1", "radial3", "radialk1", "radialk3", "bro
 
 def is_intrinsic(members: Members) -> bool:
     """True if a mapping is an intrinsic."""
-    return (
-        "distortionparams" in members
-        and "width" in members
-        and ("pxfocallength" in members or ("focallength" in members and "sensorwidth" in members))
-    ) or ("pxfocallength" in members and "principalpoint" in members)
+    has_px = "pxfocallength" in members
+    has_focal = has_px or ("focallength" in members and "sensorwidth" in members)
+    is_new = has_focal and "distortionparams" in members and "width" in members
+    return is_new or (has_px and "principalpoint" in members)
 
 
 def _pair(value: object) -> object:

@@ -39,7 +39,6 @@ OLD_NAMES = {
 MIN_NOTED_INFLATION = 1.2
 """Inflation from which mrcal's own uncertainty, which is that of white noise, is a tenth too small."""
 MAX_UNZIPPED_BYTES = 64_000_000
-"""Bytes that the measurements in a file may unpack to."""
 
 
 class Mrcal(Format):
@@ -164,10 +163,9 @@ def is_model(content: str) -> bool:
 
 def read(content: str) -> ImportedFile:
     """Read a .cameramodel, with its keypoints where it has them; CalibrationError ``malformed``."""
+    lines = (line for line in content.splitlines() if not line.lstrip().startswith("#"))
     try:
-        data = ast.literal_eval(
-            "\n".join(line for line in content.splitlines() if not line.lstrip().startswith("#"))
-        )
+        data = ast.literal_eval("\n".join(lines))
     except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError) as error:
         raise text.refuse(f"the file is not a Python dictionary: {type(error).__name__}") from None
     if isinstance(data, dict):  # what versions up to 1 called them
@@ -202,12 +200,8 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
         raise
     except Exception as error:  # noqa: BLE001 - parsers of ZIP, deflate and Python raise a dozen types
         raise text.refuse(f"optimization_inputs cannot be read: {type(error).__name__}") from None
-    if (
-        observed.ndim != 4
-        or observed.shape[3] != 3
-        or indices.shape != (len(observed), 3)
-        or not math.isfinite(spacing)
-    ):
+    is_shaped = observed.ndim == 4 and observed.shape[3] == 3 and indices.shape == (len(observed), 3)
+    if not (is_shaped and math.isfinite(spacing)):
         raise text.refuse("optimization_inputs have arrays of a wrong shape")
     column, row = np.meshgrid(np.arange(observed.shape[2]), np.arange(observed.shape[1]))
     points = np.stack([column + 1, row + 1, np.zeros_like(row)], axis=2).reshape(-1, 3) * (spacing or 1.0)

@@ -15,7 +15,6 @@ from .coefficients import camera_from_opencv
 from .format import Format
 
 VIEWS, POINTS = 1000, 10_000
-"""More than any capture has."""
 
 
 class PhotonVision(Format):

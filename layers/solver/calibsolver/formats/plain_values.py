@@ -12,7 +12,6 @@ from ..errors import CalibrationError
 from . import text
 
 MAX_ARCHIVE_BYTES = 64_000_000
-"""That an archive may unpack to."""
 MAX_ARRAY_NUMBERS = 100
 """Of an array that is looked at: a camera's are small."""
 

@@ -19,7 +19,6 @@ from .base import ModelConstraint
 SAMPLE_GRID = (33, 25)
 """Columns and rows of the pixels at which cameras are fitted to each other, the image's edge among them."""
 MAX_FOLLOWED = 3
-"""Starts that are followed to their optimum."""
 OPTIONS = Options(with_prior=False, iterations=100, tolerance=1e-5, damping=1e-6)
 """Of one fit: valleys of denominators are long."""
 
@@ -76,12 +75,8 @@ def fit_samples(
 
 def free_directions(model: Model, constraint: ModelConstraint) -> Array:
     """T (p, a): fx fy cx cy and the coefficients that a constraint leaves free; intrinsics are T a."""
-    directions = [
-        i
-        for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients))
-        if name not in constraint.zero
-    ]
-    free = np.eye(model.size)[:, directions]
+    names = ("fx", "fy", "cx", "cy", *model.coefficients)
+    free = np.eye(model.size)[:, [name not in constraint.zero for name in names]]
     if constraint.equal_focal:
         free = np.delete(free, 1, axis=1)
         free[1, 0] = 1

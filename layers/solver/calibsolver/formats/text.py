@@ -68,7 +68,6 @@ def has_member(data: object, key: str) -> bool:
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][-+]?\d+)?f?", re.ASCII)
 MAX_NUMBERS_TEXT = 100_000
-"""Characters of numbers in one text."""
 MAX_NUMBER_LENGTH = 100
 """Characters of one number: a float in full precision has 25."""
 
