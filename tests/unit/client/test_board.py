@@ -10,8 +10,8 @@ import pytest
 
 from calibdb_client import Board, UsageError
 from calibdb_client.board_sheet import largest_square_mm, pdf, png
-from calibdb_client.cli import main
 from calibdb_client.cli.options import add_board, chosen_board
+from tests.helpers.command import calibdb
 
 
 def test_board_is_black_where_opencv_draws_it() -> None:
@@ -45,11 +45,11 @@ def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
 
 def test_board_command_writes_both(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     files = [tmp_path / "board.pdf", tmp_path / "board.png"]
-    assert main(["board", "--pdf", str(files[0]), "--png", str(files[1]), "--squares", "8x8"]) == 0
+    assert calibdb(f"board --pdf {files[0]} --png {files[1]} --squares 8x8") == 0
     assert all(path.stat().st_size > 1000 for path in files)
-    assert main(["board"]) == 2
-    assert main(["board", "--pdf", str(tmp_path / "absent" / "board.pdf")]) == 2
-    assert main(["board", "--png", str(files[1]), "--squares", "20x20"]) == 2
+    assert calibdb("board") == 2
+    assert calibdb(f"board --pdf {tmp_path / 'absent' / 'board.pdf'}") == 2
+    assert calibdb(f"board --png {files[1]} --squares 20x20") == 2
     assert "larger dictionary" in capfd.readouterr().err
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board, Calibration
-from calibdb_client.cli import main
 from calibdb_client.detection import Detector
 from calibsolver import Camera, View, rotation
 from calibsolver.circles import centre_bias, fit_circles
 from calibsolver.fitting.fit import fit
 from tests.helpers import board_pictures
+from tests.helpers.command import calibdb
 from tests.helpers.marks import thorough
 
 BOARDS = (
@@ -43,11 +43,11 @@ def test_command_calibrates_pictures_of_circles(board: Board, capfd: pytest.Capt
         cv2.imwrite(f"photos/{n}.png", picture)
     squares = "x".join(map(str, board.squares))
     options = ["--kind", board.kind, "--squares", squares, "--marker-ratio", str(board.marker_ratio)]
-    assert main(["calibrate", "photos", "--offline", "-o", "c.json", "--model", "rectilinear", *options]) == 0
+    assert calibdb("calibrate photos --offline -o c.json --model rectilinear", *options) == 0
     found = Calibration.load("c.json")
     assert found.camera_matrix[0, 0] == pytest.approx(board_pictures.MATRIX[0, 0], abs=6)
     assert int(capfd.readouterr().out.splitlines()[0].removeprefix("views")) >= 5
-    assert main(["submit", "c.json", "--label", "Camera", "--url", "http://127.0.0.1:1", "--token", "x"]) == 2
+    assert calibdb("submit c.json --label Camera --url http://127.0.0.1:1 --token x") == 2
 
 
 def test_bias_of_centres_is_corrected() -> None:

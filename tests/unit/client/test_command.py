@@ -12,6 +12,7 @@ from calibdb_client.cli.output import calibration_facts
 from calibdb_client.cli.program import parser
 from calibdb_client.pictures import MAX_VIEWS, FoundViews
 from calibdb_client.recording import RecordedView
+from tests.helpers.command import calibdb
 
 
 def completed(line: str) -> list[str]:
@@ -35,7 +36,7 @@ def test_bash_completes_commands_and_their_options() -> None:
 
 @pytest.mark.parametrize("shell", SHELLS)
 def test_every_command_and_option_is_in_the_script(shell: str, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["completion", shell]) == 0
+    assert calibdb(f"completion {shell}") == 0
     text = capfd.readouterr().out
     for name, command in commands_of(parser()).items():
         assert name in text
@@ -46,16 +47,16 @@ def test_every_command_and_option_is_in_the_script(shell: str, capfd: pytest.Cap
 
 def test_misspelt_option_is_answered_with_the_near_one(capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
-        main(["check", "photos", "--agianst", "camera.yaml"])
+        calibdb("check photos --agianst camera.yaml")
     assert end.value.code == 2
     assert "Did you mean --against?" in capfd.readouterr().err
     with pytest.raises(SystemExit):
-        main(["--versoin"])
+        calibdb("--versoin")
     assert "Did you mean --version?" in capfd.readouterr().err
 
 
 def said(capfd: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main(["calibrate", *arguments, "--offline"]) == 2
+    assert calibdb("calibrate --offline", *arguments) == 2
     return capfd.readouterr().err
 
 
@@ -93,5 +94,5 @@ def test_uncertainty_is_stated_for_the_covered_part() -> None:
 def test_command_helps_without_arguments_and_names_a_near_one(capfd: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     assert "examples:" in capfd.readouterr().out
-    assert main(["calibrat", "photos"]) == 2
+    assert calibdb("calibrat photos") == 2
     assert "Did you mean 'calibrate'?" in capfd.readouterr().err

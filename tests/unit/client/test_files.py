@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from calibdb_client import Calibration, CaptureResult, Rig, UsageError
-from calibdb_client.cli import main
 from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
+from tests.helpers.command import calibdb
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def test_calibration_made_here_is_exported_in_every_format(
     name: str, calibrated: Path, tmp_path: Path
 ) -> None:
     path = tmp_path / "out"
-    assert main(["export", str(calibrated), "--format", name, "-o", str(path)]) == 0
+    assert calibdb(f"export {calibrated} --format {name} -o {path}") == 0
     assert path.stat().st_size > 80
 
 
@@ -43,12 +43,12 @@ def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path, tm
         calibration.save(tmp_path / "y.cameramodel", format="ros")
     with pytest.raises(UsageError, match="no format is called 'rosy'"):
         calibration.save(tmp_path / "y.yaml", format="rosy")
-    assert main(["export", str(calibrated), "-o", str(tmp_path / "z.yaml")]) == 2
+    assert calibdb(f"export {calibrated} -o {tmp_path / 'z.yaml'}") == 2
     assert not list(tmp_path.glob("[yz].*"))
 
 
 def test_changed_picture_is_exported(calibrated: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
-    assert main(["export", str(calibrated), "--format", "calibdb", "--resize", "320x240"]) == 0
+    assert calibdb(f"export {calibrated} --format calibdb --resize 320x240") == 0
     half = json.loads(capfdbinary.readouterr().out)
     whole = Calibration.load(calibrated).camera_matrix
     assert half["img_size"] == [320, 240]
@@ -65,13 +65,13 @@ def test_file_of_another_tool_is_converted_and_loaded(tmp_path: Path) -> None:
     storage.write("camera_matrix", matrix)
     storage.write("distortion_coefficients", np.array([[-0.3, 0.1, 0.001, -0.002, 0.01]]))
     storage.release()
-    assert main(["convert", str(source), "-o", str(tmp_path / "camera.cameramodel")]) == 0
+    assert calibdb(f"convert {source} -o {tmp_path / 'camera.cameramodel'}") == 0
     loaded = Calibration.load(tmp_path / "camera.cameramodel")
     assert np.array_equal(loaded.camera_matrix, matrix)
     assert np.isnan(loaded.avg_reprojection_error)
     assert np.array_equal(Calibration.load(source).distortion_coefficients, loaded.distortion_coefficients)
     (tmp_path / "board.txt").write_text("a board, glued to a table\n")
-    assert main(["convert", str(tmp_path / "board.txt"), "--format", "ros"]) == 2
+    assert calibdb(f"convert {tmp_path / 'board.txt'} --format ros") == 2
 
 
 @pytest.mark.parametrize("name", RIG_FORMATS)
@@ -87,7 +87,7 @@ def test_rig_on_disk_is_exported_in_every_format(name: str, tmp_path: Path) -> N
     moved = {"position": 1, "rvec": [0, 0.02, 0], "tvec": [-3.3, 0, 0.1], "std": [0.01] * 6}
     record = {"calibrations": [camera, camera], "extrinsics": [still, moved], "unit": "squares"}
     (tmp_path / "rig.json").write_text(json.dumps(record))
-    assert main(["export", str(tmp_path / "rig.json"), "--format", name, "-o", str(tmp_path / "out")]) == 0
+    assert calibdb(f"export {tmp_path / 'rig.json'} --format {name} -o {tmp_path / 'out'}") == 0
     assert (tmp_path / "out").stat().st_size > 100
     assert Rig.load(tmp_path / "rig.json").save(tmp_path / "rig.yaml").content.count(b"T_cn_cnm1") == 1
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from calibdb_client import Calibration, offline
-from calibdb_client.cli import main
 from calibdb_client.report import fit_again
+from tests.helpers.command import calibdb
 from tests.helpers.recordings import recording_of
 
 pytestmark = pytest.mark.usefixtures("no_suggestion")
@@ -23,7 +23,7 @@ def corners(working: Path) -> None:
 
 def test_submit_fixes_values_and_keeps_their_names() -> None:
     fixed = ["--model", "rectilinear", "--fix", "cx=320,cy=240,k3"]
-    assert main(["submit", CORNERS, "--offline", *fixed]) == 0
+    assert calibdb(f"submit {CORNERS} --offline", *fixed) == 0
     found = Calibration.load(CORNERS)
     assert found.camera_matrix[:2, 2].tolist() == [320, 240]
     assert found.distortion_coefficients[4] == 0
@@ -39,7 +39,7 @@ def test_start_gives_model_and_values() -> None:
     first = offline.calibrate_recording(FEW, "fisheye", fix="aspect").calibration
     assert first.camera_matrix[0, 0] == pytest.approx(first.camera_matrix[1, 1], rel=1e-12)
     first.save("first.json")
-    assert main(["submit", CORNERS, "--offline", "--start", "first.json", "--fix", "fx,fy"]) == 0
+    assert calibdb(f"submit {CORNERS} --offline --start first.json --fix fx,fy") == 0
     found = Calibration.load(CORNERS)
     assert found.distortion_model == "fisheye"
     assert found.camera_matrix[0, 0] == first.camera_matrix[0, 0]
@@ -57,9 +57,9 @@ def test_start_gives_model_and_values() -> None:
 def test_what_cannot_be_fixed_is_a_usage_error(
     options: list[str], says: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["submit", CORNERS, "--label", "Camera", "--model", "rectilinear", *options]) == 2
+    assert calibdb(f"submit {CORNERS} --label Camera --model rectilinear", *options) == 2
     assert says in capsys.readouterr().err
 
 
 def test_live_captures_are_refused_with_the_way_to_go() -> None:
-    assert main(["calibrate", "0", "--offline", "--fix", "center"]) == 2
+    assert calibdb("calibrate 0 --offline --fix center") == 2

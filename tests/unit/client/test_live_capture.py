@@ -24,13 +24,13 @@ from calibdb_client.capture.outline import advice, difference, outline_of
 from calibdb_client.capture.source import Frames, NamedSource, is_stream, open_source
 from calibdb_client.capture.stillness import Stillness
 from calibdb_client.capture.video import read_video
-from calibdb_client.cli import main
 from calibdb_client.cli.options import licence_of
 from calibdb_client.cli.output import Output
 from calibdb_client.detection import Corners
 from calibdb_client.pictures import FoundViews
 from calibdb_client.session import consent_of
 from tests.helpers import board_pictures
+from tests.helpers.command import calibdb
 from tests.helpers.data import ROOT
 from tests.helpers.virtual_person import Listener, VirtualCamera
 
@@ -76,24 +76,24 @@ def test_capture_that_ends_early_is_kept_and_goes_on(
 
     monkeypatch.setattr(offline, "calibrate", virtual)
     monkeypatch.setattr(listener, "taken", press)
-    assert main(["calibrate", "0", "--offline", "--squares", "9x6"]) == 130
+    assert calibdb("calibrate 0 --offline --squares 9x6") == 130
     assert listener.closed
     (path,) = working.iterdir()
     assert f"`calibdb resume {path.name}` continues" in capfd.readouterr().err
     kept = Recording.load(path)
     assert len(kept.views) == 1
-    assert main(["resume", path.name, "no such camera", "--offline"]) == 6
+    assert calibdb(f"resume {path.name} 'no such camera' --offline") == 6
     assert "no camera 'no such camera'" in capfd.readouterr().err
     assert Recording.load(path) == kept
     monkeypatch.setattr(listener, "taken", taken)
     monkeypatch.setattr(camera, "read", lambda: read() if listener.views < 2 else (False, None))
-    assert main(["resume", path.name, "0", "--offline"]) == 6
+    assert calibdb(f"resume {path.name} 0 --offline") == 6
     said = capfd.readouterr().err
     assert "plugged in" in said
     assert "2 views are in" in said
     assert len(Recording.load(path).views) == 2
     monkeypatch.setattr(camera, "read", read)
-    assert main(["resume", path.name, "0", "--offline", "--json"]) == 0
+    assert calibdb(f"resume {path.name} 0 --offline --json") == 0
     calibration = Calibration.load(path)
     assert abs(calibration.camera_matrix[0, 0] - camera.fx) < 2
     assert [each.name for each in working.iterdir()] == [path.name]
@@ -111,7 +111,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(capfd: pytest.
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
     plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
-    assert main(["calibrate", "board.avi", *plain, "-o", "camera.json"]) == 0
+    assert calibdb("calibrate board.avi -o camera.json", *plain) == 0
     found = Calibration.load("camera.json")
     assert np.abs(found.camera_matrix - board_pictures.MATRIX).max() < 3 * found.uncertainty["rms"] + 2
     assert len(Recording.load("camera.json").views) == 5
@@ -122,7 +122,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(capfd: pytest.
     read_video("cut.avi", Board(), cut)
     assert "breaks off after" in cut.broken
     assert cut.views
-    assert main(["calibrate", "none.mp4", "--offline"]) == 2
+    assert calibdb("calibrate none.mp4 --offline") == 2
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end
     capture = cv2.VideoCapture("board.avi")
@@ -252,15 +252,15 @@ def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str
     with pytest.raises(CameraError, match=r"stream of 127\.0\.0\.1 cannot be opened") as refused:
         open_source("http://user:secret@127.0.0.1:9/video")
     assert "secret" not in str(refused.value)
-    assert main(["calibrate", "http://127.0.0.1:9/video", "--offline"]) == 6
+    assert calibdb("calibrate http://127.0.0.1:9/video --offline") == 6
     for name, status in (
         ("no such camera", 6),
         ("USB2.0 HD UVC WebCam", 6),
         ("absent.mp4", 2),
         (str(tmp_path / "absent"), 2),
     ):
-        assert main(["calibrate", name, "--offline"]) == status
-    assert main(["calibrate", "http://127.0.0.1:9/video", "--licence", "MIT"]) == 2
+        assert calibdb(f"calibrate '{name}' --offline") == status
+    assert calibdb("calibrate http://127.0.0.1:9/video --licence MIT") == 2
     assert "CC0-1.0" in capfd.readouterr().err
 
 

@@ -18,6 +18,7 @@ from calibdb_client.pictures import FoundViews, picture_paths, read, turned_by_c
 from calibsolver import fit
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
+from tests.helpers.command import calibdb
 from tests.helpers.data import data_dir, external_data, float32
 from tests.helpers.recordings import recording_of
 
@@ -32,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.usefixtures("no_suggestion")
 def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["calibrate", str(folder), "--offline", "--json"]) == 0
+    assert calibdb(f"calibrate {folder} --offline --json") == 0
     told = capfd.readouterr()
     (path,) = working.iterdir()
     calibration = Calibration.load(path)
@@ -40,8 +41,8 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     sigma = calibration.uncertainty["rms"]
     assert np.abs(calibration.camera_matrix - board_pictures.MATRIX).max() < 3 * sigma + 1
     assert len(Recording.load(path).views) == 4
-    assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
-    assert main(["calibrate", str(folder), "--offline", *BOARD]) == 0
+    assert calibdb(f"submit {path}") == 2, "nobody said which camera it is"
+    assert calibdb(f"calibrate {folder} --offline", *BOARD) == 0
     (other,) = set(working.iterdir()) - {path}  # an earlier capture is never replaced
     assert np.allclose(Calibration.load(other).camera_matrix, calibration.camera_matrix)
 
@@ -49,7 +50,7 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
 def test_service_that_is_not_there_loses_no_corner(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["calibrate", str(folder), *BOARD, "--label", "Camera", "-o", "kept.json"]) == 2
+    assert calibdb(f"calibrate {folder} --label Camera -o kept.json", *BOARD) == 2
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 4
     assert [path.name for path in working.iterdir()] == ["kept.json"]
@@ -63,7 +64,7 @@ def test_interruption_keeps_what_was_found(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
-    assert main(["calibrate", str(folder), *BOARD, "--offline", "-o", "kept.json"]) == 130
+    assert calibdb(f"calibrate {folder} --offline -o kept.json", *BOARD) == 130
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 4
 
@@ -108,12 +109,12 @@ def test_too_few_pictures_and_another_board_are_said(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     three = [str(path) for path in sorted(folder.iterdir())[:3]]
-    assert main(["calibrate", *three, *BOARD, "--offline"]) == 7
+    assert calibdb("calibrate --offline", *three, *BOARD) == 7
     assert "detected in 3 pictures, and 4 are needed" in capfd.readouterr().err
-    assert main(["calibrate", *three, "--offline", "--dictionary", "DICT_7X7_50"]) == 7
+    assert calibdb("calibrate --offline --dictionary DICT_7X7_50", *three) == 7
     assert "--dictionary" in capfd.readouterr().err
     for wrong in ([str(working)], [str(working / "absent")], [str(folder)]):
-        assert main(["calibrate", *wrong]) == 2
+        assert calibdb("calibrate", *wrong) == 2
     assert list(working.iterdir()) == []
 
 
@@ -153,7 +154,7 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     """With the board as drawn, OpenCV's; in its shape, one that the error bars reach."""
     photographs = data_dir() / "photos" / "charuco_1280x720"
     options = [*PHOTOGRAPHS, "--model", "rectilinear", "-o", "camera.json"]
-    assert main(["calibrate", str(photographs), "--offline", *options]) == 0
+    assert calibdb(f"calibrate {photographs} --offline", *options) == 0
     recording = Recording.load(working / "camera.json")
     assert len(recording.views) == 16
     views, size = recording.observations(), recording.key.img_size
@@ -172,8 +173,8 @@ def test_failure_names_the_model_that_fits(
     left, wide = recording_of("jy_left"), recording_of("babel_ov_plane")
     replace(left, views=left.views[::4]).save(working / "left.json")
     replace(wide, views=wide.views[::8]).save(working / "wide.json")
-    assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
+    assert calibdb("submit left.json --offline --model rectilinear") == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
     monkeypatch.setattr(offline, "chosen_model", lambda *_: ("rectilinear", "fisheye"))
-    assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
+    assert calibdb("submit wide.json --offline --model rectilinear") == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

@@ -7,10 +7,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from calibdb_client import Board, Calibration, CameraKey, Recording, UsageError
-from calibdb_client.cli import main
 from calibdb_client.recording import RecordedView
 from calibdb_client.report import write_report
 from calibsolver import plots
+from tests.helpers.command import calibdb
 from tests.helpers.service.client import Truth
 from tests.helpers.service.published import held
 from tests.unit.client.test_calibration import RECORD
@@ -19,7 +19,7 @@ from tests.unit.client.test_calibration import RECORD
 @pytest.mark.usefixtures("working")
 def test_report_of_a_file_has_plots_and_a_row_per_picture(left_file: bytes) -> None:
     Path("left.json").write_bytes(left_file)
-    assert main(["plot", "left.json"]) == 0
+    assert calibdb("plot left.json") == 0
     page = Path("report.html").read_text()
     assert page.count("<tr><td>") == 9 + 13 + page[: page.index("<h2>")].count("<tr><td>")
     assert "12.jpg" in page
@@ -47,14 +47,14 @@ def test_bent_board_is_named_by_the_command_and_the_report(
             for n, (ids, points) in enumerate(held(Truth(sag=sag), 8))
         )
         Recording(CameraKey("Webcam", "linux", (1280, 720)), Board(), views).save(name)
-        assert main(["submit", name, "--offline", "--model", "rectilinear", *in_mm]) == 0
+        assert calibdb(f"submit {name} --offline --model rectilinear", *in_mm) == 0
         said += re.findall(r"Your board .*", capsys.readouterr().err)
     for square in (in_mm, []):
-        assert main(["plot", "bent.json", *square]) == 0
+        assert calibdb("plot bent.json", *square) == 0
         said += re.findall(r"Your board [^<]*", Path("report.html").read_text())
-    assert main(["plot", "bent.json", "-o", "report.pdf"]) == 0
+    assert calibdb("plot bent.json -o report.pdf") == 0
     assert Path("report.pdf").read_bytes().startswith(b"%PDF")
-    assert main(["plot", "bent.json", "-o", "report.gif"]) == 2
+    assert calibdb("plot bent.json -o report.gif") == 2
     millimetres, reported, bent = said
     assert millimetres == reported
     for sentence, unit, bend, tolerance in (
