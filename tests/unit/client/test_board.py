@@ -43,13 +43,13 @@ def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
     assert b"circles, 7 x 5, diameter 0.5, 20 mm from row to row" in pdf(circles, "a4", 20)
 
 
-def test_board_command_writes_both(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    files = [tmp_path / "board.pdf", tmp_path / "board.png"]
-    assert calibdb(f"board --pdf {files[0]} --png {files[1]} --squares 8x8") == 0
-    assert all(path.stat().st_size > 1000 for path in files)
+@pytest.mark.usefixtures("working")
+def test_board_command_writes_both(capfd: pytest.CaptureFixture[str]) -> None:
+    assert calibdb("board --pdf board.pdf --png board.png --squares 8x8") == 0
+    assert all(Path(name).stat().st_size > 1000 for name in ("board.pdf", "board.png"))
     assert calibdb("board") == 2
-    assert calibdb(f"board --pdf {tmp_path / 'absent' / 'board.pdf'}") == 2
-    assert calibdb(f"board --png {files[1]} --squares 20x20") == 2
+    assert calibdb("board --pdf absent/board.pdf") == 2
+    assert calibdb("board --png board.png --squares 20x20") == 2
     assert "larger dictionary" in capfd.readouterr().err
 
 
