@@ -33,7 +33,7 @@ def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path) ->
     calibration = Calibration.load(calibrated)
     calibration.save("camera.cameramodel")
     assert b"optimization_inputs" in Path("camera.cameramodel").read_bytes()
-    assert calibration.savePath("x.txt").content.count(b"OPENCV") == 1
+    assert calibration.save("x.txt").content.count(b"OPENCV") == 1
     assert calibration.save("x.yaml", format="kalibr").content.count(b"cam0:") == 1
     assert format_of("opencv", "x.json") == "opencv-json"
     assert format_of("opencv", "x.yml") == "opencv-yaml"
