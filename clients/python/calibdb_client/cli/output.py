@@ -43,12 +43,9 @@ class Output:
         """Write rows in columns: the first and the last flush left, numbers flush right."""
         lines = [[_one_line(cell) for cell in row] for row in (heads, *rows)]
         widths = [max(len(line[n]) for line in lines) for n in range(len(heads))]
-        for line in lines:
-            cells = [
-                f"{cell:<{width}}" if n in (0, len(heads) - 1) else f"{cell:>{width}}"
-                for n, (cell, width) in enumerate(zip(line, widths, strict=True))
-            ]
-            print("  ".join(cells).rstrip())
+        for first, *numbers, last in lines:
+            cells = [cell.rjust(width) for cell, width in zip(numbers, widths[1:], strict=False)]
+            print("  ".join([first.ljust(widths[0]), *cells, last]).rstrip())
 
     def file(self, file: ExportedFile, path: str | None) -> None:
         """Write a file to a path, or to standard output."""

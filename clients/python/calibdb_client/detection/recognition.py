@@ -83,17 +83,13 @@ def recognise(pictures: Iterable[Any], mirrored: bool = False) -> Board | None:
 
 
 def _with_markers(markers_of_images: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) -> Board | None:
-    families = Counter(
-        {
-            key: sum(len(each[key].ids) for each in markers_of_images if key in each)
-            for key in set().union(*markers_of_images)
-        }
-    )
+    families: Counter[Key] = Counter()
+    for each in markers_of_images:
+        families.update({key: len(markers.ids) for key, markers in each.items()})
     for key, _ in families.most_common(MAX_SEARCHED):
-        matches = [
-            each[key] for each in markers_of_images if key in each and len(each[key].ids) >= MIN_MARKERS
-        ]
-        matches.sort(key=lambda each: -len(each.ids))
+        shown = [each[key] for each in markers_of_images if key in each]
+        matches = [markers for markers in shown if len(markers.ids) >= MIN_MARKERS]
+        matches.sort(key=lambda markers: -len(markers.ids))
         if matches and (layout := _layout(matches[:MAX_SEARCHED])):
             family, inverted, mirrored = key
             if mirrored:
