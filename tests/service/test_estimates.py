@@ -13,7 +13,7 @@ from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
-from tests.unit.client.test_exif import IMG_SIZE, block, jpeg
+from tests.unit.client.test_priors import IMG_SIZE, jpeg
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
 IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
@@ -179,7 +179,7 @@ def test_a_hit_has_the_estimate_without_it_if_asked(stack: Server) -> None:
 @pytest.mark.usefixtures("served")
 def test_command_says_what_is_likely(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     photo = tmp_path / "IMG_1234.jpg"
-    photo.write_bytes(jpeg(block(model="Phone X9")))
+    photo.write_bytes(jpeg(model="Phone X9"))
     assert main(["lookup", str(photo), "--no-cache"]) == 1
     printed = capsys.readouterr().out
     assert "not calibrated" in printed

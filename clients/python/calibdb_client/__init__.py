@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import offline
     from .aio import AsyncClient
-    from .answer import Answer, Estimate
     from .board import Board
-    from .calibration import Calibration
+    from .calibration import Answer, Calibration, Estimate
     from .camera import Camera, open_camera
     from .capture.operation import CaptureInterruptedError
     from .checks import CheckResult
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MODULES = {
-    "Answer": "answer",
+    "Answer": "calibration",
     "AsyncClient": "aio",
     "Board": "board",
     "CalibDBError": "errors",
@@ -59,7 +58,7 @@ _MODULES = {
     "Client": "client",
     "ConflictError": "errors",
     "CredentialError": "errors",
-    "Estimate": "answer",
+    "Estimate": "calibration",
     "ExportedFile": "files",
     "MissingPackageError": "errors",
     "NotFoundError": "errors",

@@ -6,40 +6,28 @@ import asyncio
 import functools
 import inspect
 from collections.abc import Awaitable, Callable, Coroutine
-from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Concatenate
+from typing import Any, Concatenate
 
 import httpx
 
-from .client import Client, P, Service, annotated
-from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, failure
+from .client import Client, P, Service
+from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Result, failure
 from .flows import Flow, T
 from .wire import Failure, Reply
-
-if TYPE_CHECKING:
-    from typing import Self
-
-
-@dataclass(frozen=True)
-class _End:
-    """End of a conversation, and its result."""
-
-    value: Any
 
 
 def awaited(
     call: Callable[Concatenate[Client, P], T], *, in_thread: bool = False
 ) -> Callable[Concatenate[AsyncClient, P], Coroutine[Any, Any, T]]:
-    """Make the asynchronous twin of a call of `Client`; its own work runs `in_thread` if it takes long."""
+    """Make the asynchronous twin of a call of `Client`; `in_thread` if its own work takes long."""
     conversation: Callable[..., Flow[T]] = inspect.unwrap(call)
 
     @functools.wraps(call)
     async def method(client: AsyncClient, /, *arguments: P.args, **options: P.kwargs) -> T:
         return await client._run(conversation(client, *arguments, **options), in_thread)
 
-    return annotated(method)
+    return method
 
 
 class AsyncClient(Service):
@@ -63,15 +51,10 @@ class AsyncClient(Service):
         self._http = httpx.AsyncClient(**self._connection.arguments(), transport=transport)
         self._sleep = sleep
 
-    async def __aenter__(self) -> Self:
+    async def __aenter__(self) -> AsyncClient:
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.close()
 
     async def close(self) -> None:
@@ -92,21 +75,12 @@ class AsyncClient(Service):
     check_against = awaited(Client.check_against, in_thread=True)
 
     async def _run(self, flow: Flow[T], in_thread: bool) -> T:
-        """Drive a conversation to its end; its own work `in_thread`, if it takes long."""
         steps = self._connection.steps(flow)
-
-        def advance(outcome: Reply | Failure | None) -> dict[str, Any] | float | _End:
-            try:
-                return steps.send(outcome)
-            except StopIteration as end:  # no thread can pass it on
-                return _End(end.value)
-
         outcome: Reply | Failure | None = None
         while True:
-            step = await asyncio.to_thread(advance, outcome) if in_thread else advance(outcome)
-            if isinstance(step, _End):
-                result: T = step.value
-                return result
+            step = await asyncio.to_thread(steps.send, outcome) if in_thread else steps.send(outcome)
+            if isinstance(step, Result):
+                return step.value
             outcome = await self._send(step) if isinstance(step, dict) else None
             if isinstance(step, float):
                 await self._sleep(step)

@@ -1,6 +1,4 @@
-"""Calibration boards: those of calibsolver, within the bounds of the service, and OpenCV's ChArUco board."""
-
-from __future__ import annotations
+"""Calibration boards within the bounds of the service, and OpenCV's ChArUco board."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,10 +26,9 @@ MIN_CORNERS = 6
 
 @dataclass(frozen=True)
 class Board(calibsolver.Board):
-    """A flat board: `calibsolver.Board` within the bounds of the service.
+    """A flat board: `calibsolver.Board` within the bounds of the service, with its frames, numbers and units.
 
-    The dictionary of an AprilGrid is DICT_APRILTAG_36h11 unless given. Frames, numbers of corners and units
-    are those of `calibsolver.Board`.
+    The dictionary of an AprilGrid is DICT_APRILTAG_36h11 by default.
 
     Raises UsageError for a board that cannot exist, or that the service does not take.
     """
@@ -56,7 +53,6 @@ class Board(calibsolver.Board):
             raise UsageError(f"the marker ratio lies in 0.3 to 0.95, not {self.marker_ratio}")
 
     def __str__(self) -> str:
-        """Words for people, such as ``ChArUco, 9 x 6 squares, marker ratio 0.65, DICT_4X4_50``."""
         size = f"{self.squares[0]} x {self.squares[1]}"
         words = {
             "charuco": f"ChArUco, {size} squares, marker ratio {self.marker_ratio:g}, {self.dictionary}",
@@ -89,7 +85,7 @@ class Board(calibsolver.Board):
         return board_sentence(figures, length)
 
     def record(self) -> dict[str, Any]:
-        """Return the board as the members of a request; those that older services do not know if needed."""
+        """Return the members of a request; those that older services do not know only if needed."""
         members: dict[str, Any] = {"squares": list(self.squares)}
         if self.kind in CIRCLES:
             members |= {"kind": self.kind, "marker_ratio": self.marker_ratio}
@@ -119,10 +115,10 @@ class Board(calibsolver.Board):
         return board
 
 
-def opencv() -> Any:
+def opencv(what: str = "boards are drawn and found") -> Any:
     """Return the module `cv2`. Raises MissingPackageError if it is not installed."""
     try:
         import cv2
     except ImportError:
-        raise MissingPackageError("boards are drawn and found by OpenCV: pip install opencv-python") from None
+        raise MissingPackageError(f"{what} by OpenCV: pip install opencv-python") from None
     return cv2

@@ -1,10 +1,9 @@
 """A board on paper (PDF, in true size) or as a picture (PNG)."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ PAPERS_MM = {"a4": (297.0, 210.0), "a3": (420.0, 297.0), "letter": (279.4, 215.9
 MARGIN_MM = 10.0
 MAX_PNG_PX = 8192
 DISK_ROWS = 96
-"""Rows of which a printed circle is made."""
 _POINTS_PER_MM = 72 / 25.4
 _TAG_BORDER = 2  # cells of black frame, as Kalibr prints AprilGrids; of other markers it is one
 Rectangle = tuple[float, float, float, float]
@@ -45,13 +43,12 @@ def pdf(board: Board, paper: str = "a4", square_mm: float | None = None) -> byte
     w, h = _sheet(board, paper)
     (columns, rows), quiet = board.size, _quiet(board)
     left, top = (w - side * columns) / 2, (h - MARGIN_MM - side * rows) / 2
-    ink = list(black(board))
+    sheet = "0 g"
     if board.inverted:
-        sheet = f"0 g {_rectangle(left - quiet * side, top - quiet * side, *_grown(board, side), h)} f 1 g"
-    else:
-        sheet = "0 g"
+        grown = (columns + 2 * quiet) * side, (rows + 2 * quiet) * side
+        sheet = f"0 g {_rectangle(left - quiet * side, top - quiet * side, *grown, h)} f 1 g"
     drawn = "\n".join(
-        _rectangle(left + side * x, top + side * y, side * a, side * b, h) for x, y, a, b in ink
+        _rectangle(left + side * x, top + side * y, side * a, side * b, h) for x, y, a, b in black(board)
     )
     said = f"calibDB board: {_details(board, side)}. Print at 100 %, and glue it to something flat."
     text = f"BT /F1 8 Tf {_pt(MARGIN_MM):.2f} {_pt(MARGIN_MM / 2):.2f} Td ({said}) Tj ET"
@@ -59,10 +56,7 @@ def pdf(board: Board, paper: str = "a4", square_mm: float | None = None) -> byte
 
 
 def png(board: Board, square_px: int = 120) -> bytes:
-    """Return a picture of the board with a margin of half a square.
-
-    Raises UsageError for a size that is too small or too large.
-    """
+    """Return a picture of the board with a margin of half a square. Raises UsageError for a wrong size."""
     cv2 = opencv()
     w, h = (round(square_px * (n + 1)) for n in board.size)
     if not square_px >= 16 or max(w, h) > MAX_PNG_PX:
@@ -79,7 +73,7 @@ def png(board: Board, square_px: int = 120) -> bytes:
 def black(board: Board) -> Iterator[Rectangle]:
     """Yield the printed cells: left, top, width, height, board units from the top left, y down.
 
-    Of an inverted board these are white, on black.
+    Those of an inverted board are white, on black.
     """
     columns, rows = board.squares
     if board.kind == "aprilgrid":
@@ -135,17 +129,15 @@ def _marker(board: Board, identifier: int, left: float, top: float, side: float)
 
 def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Rectangle]:
     """Yield the runs of black cells in one row of a marker: in one piece, without hairlines."""
-    start = None
-    for column, is_black in enumerate([*line, False]):
-        if is_black and start is None:
-            start = column
-        elif not is_black and start is not None:
-            yield left + start * cell, top, (column - start) * cell, cell
-            start = None
+    column = 0
+    for is_black, run in groupby(line):
+        count = len(list(run))
+        if is_black:
+            yield left + column * cell, top, count * cell, cell
+        column += count
 
 
 def _details(board: Board, side: float) -> str:
-    """Describe the board, its squares or tags in millimetres."""
     if board.kind in CIRCLES:
         return f"{board}, {side:g} mm from row to row"
     unit = "tags" if board.kind == "aprilgrid" else "squares"
@@ -155,11 +147,6 @@ def _details(board: Board, side: float) -> str:
 def _quiet(board: Board) -> float:
     """Black about an inverted board, board units: its outermost cells need an edge."""
     return 0.25 if board.inverted else 0.0
-
-
-def _grown(board: Board, side: float) -> tuple[float, float]:
-    w, h = board.size
-    return (w + 2 * _quiet(board)) * side, (h + 2 * _quiet(board)) * side
 
 
 def _rectangle(left: float, top: float, width: float, height: float, page: float) -> str:
@@ -179,7 +166,6 @@ def _pt(millimetres: float) -> float:
 
 
 def _document(w: float, h: float, content: str) -> bytes:
-    """Return a PDF of one page."""
     stream = content.encode("ascii")
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R >>",

@@ -1,6 +1,4 @@
-"""Answers of the edge, kept on disk for as long as the service allows; no credential is in them."""
-
-from __future__ import annotations
+"""Cache on disk of the edge's answers, for as long as the service allows; no credential is in them."""
 
 import hashlib
 import json
@@ -13,20 +11,12 @@ from pathlib import Path
 from typing import Any
 
 MAX_FILES = 500
-"""Files that are kept; the oldest give way."""
 MAX_AGE_S = 24 * 3600
 """Maximum time for which a response is cached, whatever its headers say."""
 
 
 class Cache:
-    """Answers by address, files of one folder that only its owner can read.
-
-    Parameters
-    ----------
-    folder
-        It is made when something is stored.
-    clock
-        Unix seconds.
+    """Answers by address, in a folder that only its owner can read. `clock` gives Unix seconds.
 
     A cache that cannot be read or written is an empty one: no lookup fails for that.
     """

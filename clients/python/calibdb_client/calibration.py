@@ -1,4 +1,4 @@
-"""A calibration as the service returns it, and its use: projection, rectification, files."""
+"""Calibrations, estimates and answers to lookups as the service returns them, and their use."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from calibsolver import undistortion
 from calibsolver.arrays import Array
 
 from .errors import MissingPackageError, UsageError
-from .files import ExportedFile, read_whole, write_whole
-from .picture_change import UNCHANGED, PictureChange
+from .files import UNCHANGED, ExportedFile, PictureChange, read_whole, write_whole
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,20 +24,16 @@ if TYPE_CHECKING:
     from .recording import Recording
 
 Exporter = Callable[[str, str], ExportedFile]
-"""Fetches the file of a calibration's id in a format."""
+"""Fetches the file of an id, of a calibration or rig, in a format."""
 
+Maker = Callable[[Mapping[str, Any]], "Calibration"]
 _NATIVE = "calibdb"
+Source = Literal["cache", "edge", "service"]
 
 
 @dataclass(frozen=True, eq=False)
 class CameraRecord:
-    """A camera.
-
-    Attributes
-    ----------
-    record
-        All that the service answered, under its names (docs/api.md).
-    """
+    """A camera; `record` is all that the service answered, under its names (docs/api.md)."""
 
     record: Mapping[str, Any]
 
@@ -65,10 +60,7 @@ class CameraRecord:
 
     @cached_property
     def lens(self) -> calibsolver.Camera:
-        """The camera model, of which `project` and `unproject` of a calibration are shorthands.
-
-        Raises UsageError for a model that this version does not know.
-        """
+        """The camera model. Raises UsageError for a model that this version does not know."""
         try:
             return calibsolver.Camera.from_record(self.record)
         except calibsolver.CalibrationError as error:
@@ -192,12 +184,7 @@ class Calibration(CameraRecord):
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the tables (h, w) for `cv2.remap`: the place in the picture of every rectified pixel.
 
-        Parameters
-        ----------
-        matrix
-            (3, 3) camera matrix of the rectified picture; the calibration's own unless given.
-        size
-            Width and height of the rectified picture, px; the calibration's unless given.
+        `matrix` (3, 3) and `size`, px, are those of the rectified picture; by default the calibration's own.
         """
         try:
             return undistortion.remap_tables(self.lens, matrix, size)
@@ -209,9 +196,7 @@ class Calibration(CameraRecord):
         return self.remap_tables()
 
     def undistort(self, frame: Any, matrix: object = None, size: Sequence[int] | None = None) -> Any:
-        """Return the rectified picture of a frame (h, w) or (h, w, c); needs OpenCV.
-
-        `matrix` and `size` as in `remap_tables`.
+        """Return the rectified picture of a frame (h, w) or (h, w, c) by `remap_tables`; needs OpenCV.
 
         Raises UsageError if the frame has another size.
         """
@@ -254,10 +239,9 @@ class Calibration(CameraRecord):
         }
 
     def save(self, path: str | Path, format: str | None = None) -> ExportedFile:  # noqa: A002 - the contract's name
-        """Write a file of one of the formats of docs/formats.md, and return it.
+        """Write a file of one of the formats of docs/formats.md, as a whole or not at all, and return it.
 
         Without a format the suffix of the path says it; one that contradicts the suffix raises UsageError.
-        The file is there as a whole or not at all.
         """
         from . import conversion
 
@@ -282,8 +266,85 @@ class Calibration(CameraRecord):
 
 
 def _rows(values: object, width: int) -> Array:
-    """Return values as an array (n, width). Raises UsageError for values of any other shape."""
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != width:
         raise UsageError(f"an array (n, {width}) is wanted, not {array.shape}")
     return array.reshape(-1, width)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Answer to a lookup.
+
+    Attributes
+    ----------
+    calibration
+        None if nothing reliable is known.
+    reason, detail
+        Word for why there is none, and a sentence: ``unknown_camera``, ``too_few``, ``disagree``,
+        ``few_contributors`` or ``imprecise``.
+    guidance_url
+        Page that calibrates the camera in a browser; "" if there is a calibration.
+    source
+        Place of the answer: this machine's cache, the edge, or the service.
+    estimate
+        Likely camera; None if there is a calibration.
+    """
+
+    calibration: Calibration | None
+    reason: str = ""
+    detail: str = ""
+    guidance_url: str = ""
+    source: Source = "service"
+    estimate: Estimate | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate(CameraRecord):
+    """Estimated camera with the interval of its field of view (docs/estimates.md).
+
+    Its model is `rectilinear` or `fisheye`, or that of a calibration that it rests on.
+
+    Raises UsageError for a record that is not an estimate.
+    """
+
+    def __post_init__(self) -> None:
+        try:
+            low, high = self.record["interval_90"]["hfov_deg"]
+            whole = float(low) <= float(self.record["hfov_deg"]) <= float(high)
+            whole = whole and np.asarray(self.record["camera_matrix"], dtype=np.float64).shape == (3, 3)
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not whole:
+            raise UsageError("not an estimate: camera_matrix, hfov_deg and interval_90 are needed")
+
+    def __repr__(self) -> str:
+        low, high = self.interval_90
+        return f"Estimate({self.hfov_deg:.1f} degrees, 90 %: {low:.1f} to {high:.1f}, {self.basis})"
+
+    @property
+    def hfov_deg(self) -> float:
+        """Horizontal field of view, degrees."""
+        return float(self.record["hfov_deg"])
+
+    @property
+    def interval_90(self) -> tuple[float, float]:
+        """Horizontal fields of view, degrees, between which the true one lies with a probability of 90 %."""
+        low, high = self.record["interval_90"]["hfov_deg"]
+        return float(low), float(high)
+
+    @property
+    def basis(self) -> str:
+        """Best evidence of the estimate, such as `published` or `population`."""
+        return str(self.record.get("basis", ""))
+
+    @property
+    def group(self) -> str | None:
+        """Name of the group of calibrations that fits the views sent, such as ``78°``; None otherwise."""
+        group = self.record.get("group")
+        return None if group is None else str(group)
+
+    @property
+    def sources(self) -> tuple[tuple[str, str], ...]:
+        """Titles and addresses of the publications that it rests on."""
+        return tuple((str(each["title"]), str(each["url"])) for each in self.record.get("sources", ()))

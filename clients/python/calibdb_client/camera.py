@@ -3,34 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from .board import opencv
 from .devices import Device, find
-from .errors import CameraError, MissingPackageError
-
-if TYPE_CHECKING:
-    from typing import Self
+from .errors import CameraError
 
 MAX_READS = 30
 """Frames that are waited for: many cameras deliver their first picture late."""
 
 
 class Camera:
-    """A `cv2.VideoCapture` with a label. Whatever else is asked of it is asked of the capture.
+    """A `cv2.VideoCapture`, which cannot be derived from, with the label and platform that Chromium uses.
 
-    OpenCV's class cannot be derived from, so the capture is a member.
-
-    Attributes
-    ----------
-    capture
-        The `cv2.VideoCapture`.
-    label, platform
-        Label and platform that Chromium uses on this machine.
-    img_size
-        Width and height of the pictures that it delivers, px.
-    zoom
-        0: browsers report zoom only to pages that may change it.
+    Attributes of the capture are also the camera's. Its zoom is 0: browsers report zoom only to pages that
+    may change it.
     """
 
     zoom = 0.0
@@ -45,39 +32,25 @@ class Camera:
         return f"Camera({self.label!r}, {self.img_size[0]}x{self.img_size[1]})"
 
     def __getattr__(self, name: str) -> Any:
-        """Return an attribute of the capture."""
         if name == "capture":  # while it is being made
             raise AttributeError(name)
         return getattr(self.capture, name)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Camera:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.capture.release()
 
 
 def open_camera(camera: int | str, size: tuple[int, int] | None = None) -> Camera:
-    """Open a camera of this machine.
+    """Open a camera of this machine by its index, path, or a part of its label.
 
-    Parameters
-    ----------
-    camera
-        Index, path, or a part of the label.
-    size
-        Width and height that the pictures must have, px; unless given, the camera's own.
+    `size`: width and height that the pictures must have, px; by default the camera's own.
 
     Raises CameraError if it is not there, busy, or has no such size; MissingPackageError without OpenCV.
     """
-    try:
-        import cv2
-    except ImportError:
-        raise MissingPackageError("a camera is opened by OpenCV: pip install opencv-python") from None
+    cv2 = opencv("a camera is opened")
     chosen = find(camera)
     capture = cv2.VideoCapture(chosen.index, chosen.backend)
     try:

@@ -1,9 +1,9 @@
-"""Checks of the database's calibration of a camera, or of one at hand, on a few fresh views."""
+"""Checks of a calibration on a few fresh views."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,33 +17,20 @@ from .recording import RecordedView, Recording
 from .wire import Request
 
 if TYPE_CHECKING:
-    from .calibration import Calibration
+    from .calibration import Calibration, Maker
 
 CHECK_VIEWS = 3
 """Views of a check: three, tilted differently, tell whether a calibration fits."""
 
 MAX_SENT_VIEWS = 5
-"""Views of a comparison that the service takes."""
 
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Result of a check.
+    """Result of a check: px rms of the views under the calibration, and expected, under their own fit.
 
-    Attributes
-    ----------
-    fits
-        True if the calibration fits the views.
-    error, expected
-        px rms of the views under it, and under their own fit.
-    counted
-        True if the check counts as a vote.
-    votes
-        Number of votes that agree, and that disagree.
-    calibration
-        The calibration that was checked.
-    record
-        All that the service answered.
+    Votes are the numbers that agree and disagree; `counted`: this check is one. `record` is all that the
+    service answered.
     """
 
     fits: bool
@@ -58,11 +45,11 @@ class CheckResult:
 def check(
     recording: Recording,
     model: str,
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     consent: Mapping[str, str],
 ) -> Flow[CheckResult]:
     """Have the service score its calibration on the views of a recording, of which three are sent."""
-    body = {**body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
+    body = {**_body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
     record = yield from ask(body)
     return CheckResult(
         record["fits"] == "fits",
@@ -76,31 +63,27 @@ def check(
 
 
 def ask(body: Mapping[str, Any]) -> Flow[Mapping[str, Any]]:
-    """Open a session, and have the service check what the body of the request describes."""
+    """Have the service check, in a new session, what the body of the request describes."""
     reply = yield Request("POST", "v1/auth")
     reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
     return reply.json
 
 
-def body_of(recording: Recording, count: int) -> dict[str, Any]:
-    """Return the members of a check that say what was seen, in `count` views at most."""
+def _body_of(recording: Recording, count: int) -> dict[str, Any]:
     return {**recording.key.record(), **views_of(recording, count)}
 
 
 def views_of(recording: Recording, count: int) -> dict[str, Any]:
-    """Return the members of a request that say what was seen: the board, and `count` views at most."""
-    views = most_different(recording, count)
+    """Return the board, and `count` views at most, as the members of a request."""
+    views = _most_different(recording, count)
     return {
         "board": recording.board.record(),
         "views": [view.record() for view in views],
     }
 
 
-def most_different(recording: Recording, count: int) -> Sequence[RecordedView]:
-    """Return the views, at most `count`, in which the board is tilted most differently.
-
-    Raises CaptureError if there are none.
-    """
+def _most_different(recording: Recording, count: int) -> Sequence[RecordedView]:
+    """Return the views, at most `count`, in which the board is tilted most differently."""
     from .capture.outline import difference, outline_of
 
     outlines = [outline_of(recording.board, view.ids, view.points) for view in recording.views]
@@ -139,7 +122,7 @@ def compare_by_service(recording: Recording, calibration: Calibration) -> Flow[C
     _require_size(recording, calibration)
     names = ("img_size", "camera_matrix", "distortion_coefficients", "distortion_model")
     record = {name: calibration.record[name] for name in names}
-    body = {**body_of(recording, MAX_SENT_VIEWS), "calibration": record}
+    body = {**_body_of(recording, MAX_SENT_VIEWS), "calibration": record}
     return _comparison((yield from ask(body)))
 
 

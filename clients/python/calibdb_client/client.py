@@ -1,4 +1,4 @@
-"""The client: the service's calls as methods, each a conversation that the client drives."""
+"""The client: the service's calls as methods."""
 
 from __future__ import annotations
 
@@ -7,28 +7,25 @@ import inspect
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 import httpx
 
 from . import checks, flows, session
-from .answer import Answer
 from .cache import Cache, default_folder
-from .calibration import Calibration
+from .calibration import Answer, Calibration
 from .checks import CheckResult, Comparison
-from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
-from .files import ExportedFile
+from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, Result, failure
+from .files import ExportedFile, PictureChange
 from .flows import Flow, T, segment
 from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
-from .picture_change import PictureChange
-from .recording import Recording, ignore
+from .recording import Progress, Recording, ignore
 from .rig import Rig
-from .session import CaptureResult, Progress
+from .session import CaptureResult
 from .wire import Failure, Reply, Request
 
 if TYPE_CHECKING:
-    from typing import Self, Unpack
+    from typing import Unpack
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
@@ -36,14 +33,10 @@ if TYPE_CHECKING:
 
 
 P = ParamSpec("P")
-Q = ParamSpec("Q")
 
 
 class Service:
-    """Base of both clients: the connection to a service, and its cached answers.
-
-    `url`, `token`, `timeout`, `attempts` and `cache` as of `Client`.
-    """
+    """Base of both clients: the connection to a service, and its cache."""
 
     def __init__(
         self, url: str | None, token: str | None, timeout: float, attempts: int, cache: bool | str | Path
@@ -68,21 +61,15 @@ class Service:
 
 
 def driven(call: Callable[Concatenate[Any, P], Flow[T]]) -> Callable[Concatenate[Client, P], T]:
-    """Make a method of `Client` that returns the result of a conversation."""
+    """Make a method of `Client` that returns, and says that it returns, the result of a conversation."""
 
     @functools.wraps(call)
     def method(client: Client, /, *arguments: P.args, **options: P.kwargs) -> T:
         return client._run(call(client, *arguments, **options))
 
-    return annotated(method)
-
-
-def annotated(method: Callable[Q, T]) -> Callable[Q, T]:
-    """Let a method that was written as a conversation, `Flow[T]`, say that it returns `T`."""
-    said = method.__annotations__["return"]
-    result = said.removeprefix("Flow[").removesuffix("]") if said.startswith("Flow[") else said
-    method.__annotations__ = {**method.__annotations__, "return": result}
-    signature = inspect.signature(method)
+    signature = inspect.signature(call)
+    result = signature.return_annotation.removeprefix("Flow[").removesuffix("]")
+    method.__annotations__ = {**call.__annotations__, "return": result}
     method.__signature__ = signature.replace(return_annotation=result)  # type: ignore[attr-defined]
     return method
 
@@ -92,10 +79,8 @@ class Client(Service):
 
     Parameters
     ----------
-    url
-        Address of the service; `CALIBDB_URL` unless given.
-    token
-        API token; `CALIBDB_TOKEN` unless given.
+    url, token
+        Address of the service and API token; `CALIBDB_URL` and `CALIBDB_TOKEN` by default.
     timeout
         Seconds for an answer.
     attempts
@@ -105,8 +90,7 @@ class Client(Service):
     transport, sleep
         For tests: replaces the network, and the pauses between attempts.
 
-    A call is written as a conversation, `Flow[T]`; the client drives it and returns its result, `T`. Every
-    call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
+    Every call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
     """
 
     def __init__(
@@ -124,15 +108,10 @@ class Client(Service):
         self._http = httpx.Client(**self._connection.arguments(), transport=transport)
         self._sleep = sleep
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Client:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -160,16 +139,14 @@ class Client(Service):
             An open camera, a `CameraKey`, or a label as a browser gives it.
         platform, size, zoom
             As in `key_of`; they replace what the camera says.
-        model
-            Distortion model.
         device
             Model identifier of a phone, such as ``iPhone17,3``.
         reported
             Field of view that the device reports: ``focal_35mm`` in mm, ``hfov_deg`` or ``dfov_deg``. Only
             the estimate uses it.
         views
-            Views of the camera in the mode in which it is. Where its calibrations fall into groups, the
-            estimate is the group that fits; at most five views are sent.
+            Views of the camera in the mode in which it is. If its calibrations fall into groups, the estimate
+            is the group that fits; at most five views are sent.
         """
         key = key_of(camera, platform, size, zoom).with_device(device)
         facts = flows.facts(reported, views)
@@ -196,8 +173,8 @@ class Client(Service):
 
         Parameters
         ----------
-        identifier, format
-            Id of the calibration or consensus, name of the format.
+        identifier
+            Id of the calibration or consensus.
         crop
             Left, top, width, height of the part that is cut out first, px.
         resize
@@ -247,9 +224,8 @@ class Client(Service):
 
         Parameters
         ----------
-        recording, model
-            The views, and the distortion model; ``auto`` is the one that predicts views best that it did not
-            see.
+        model
+            Distortion model; ``auto`` is the one that predicts views best that it did not see.
         progress
             Called with the number of views sent, and of all views.
         licence
@@ -260,8 +236,8 @@ class Client(Service):
 
         Raises CaptureError if the views do not suffice.
         """
-        extras = session.extras_of(licence, mode_name)
-        return session.submit(recording, model, self._calibration, progress, extras)
+        consent = session.consent_of(licence, mode_name)
+        return session.submit(recording, model, self._calibration, progress, consent)
 
     @driven
     def calibrate(
@@ -282,20 +258,20 @@ class Client(Service):
             An open camera, an index, path or name of one here, the address of a stream, a video file, or any
             object with `read()`.
         model, licence, mode_name
-            Distortion model, of ``auto`` rectilinear; the others as in `submit`.
+            As in `submit`; ``auto`` is rectilinear.
         keep
             Called with the recording after every view, to save it.
         options
             As in `CaptureOptions`.
 
-        Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; what was captured until then
-        is in their `recording`.
+        Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; their `recording` is what was
+        captured.
         """
         from .capture.operation import prepare
 
-        extras = session.extras_of(licence, mode_name)
+        consent, keep = session.consent_of(licence, mode_name), keep or ignore
         operation = prepare(camera, **options)
-        return (yield from operation.by_service(live_model(model), keep or ignore, self._calibration, extras))
+        return (yield from operation.by_service(live_model(model), keep, self._calibration, consent))
 
     @driven
     def check(
@@ -354,7 +330,7 @@ class Client(Service):
         camera
             The camera that took them, or its label; the size is the pictures'.
         board
-            The board; recognised unless given.
+            Recognised by default.
         platform, zoom
             As in `key_of`; ``photographs`` is the platform of a bare label.
         model, licence, mode_name
@@ -364,9 +340,9 @@ class Client(Service):
         """
         from .images import recording_of
 
-        extras = session.extras_of(licence, mode_name)
+        consent = session.consent_of(licence, mode_name)
         recording = recording_of(paths, camera, board, platform, zoom)
-        return (yield from session.submit(recording, model, self._calibration, consent=extras))
+        return (yield from session.submit(recording, model, self._calibration, consent=consent))
 
     def calibrate_rig(
         self,
@@ -376,10 +352,7 @@ class Client(Service):
         model: str = AUTO,
         square_size: float | None = None,
     ) -> RigResult:
-        """Calibrate cameras that do not move against each other from a folder of pictures of each.
-
-        On this machine: nothing is sent. Parameters and errors as of `offline.calibrate_rig`.
-        """
+        """Calibrate a rig on this machine; nothing is sent. Parameters as of `offline.calibrate_rig`."""
         from .rig_pictures import calibrate_rig
 
         return calibrate_rig(folders, board=board, model=model, square_size=square_size)
@@ -391,17 +364,15 @@ class Client(Service):
         return Rig(record, self.rig_file, self.export)
 
     def _run(self, flow: Flow[T]) -> T:
-        """Drive a conversation to its end."""
-        steps, outcome = self._connection.steps(flow), None
-        try:
-            while True:
-                step = steps.send(outcome)
-                outcome = self._send(step) if isinstance(step, dict) else None
-                if isinstance(step, float):
-                    self._sleep(step)
-        except StopIteration as end:
-            result: T = end.value
-            return result
+        steps = self._connection.steps(flow)
+        outcome: Reply | Failure | None = None
+        while True:
+            step = steps.send(outcome)
+            if isinstance(step, Result):
+                return step.value
+            outcome = self._send(step) if isinstance(step, dict) else None
+            if isinstance(step, float):
+                self._sleep(step)
 
     def _send(self, message: dict[str, Any]) -> Reply | Failure:
         body = Body()

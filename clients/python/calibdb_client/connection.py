@@ -6,7 +6,7 @@ import os
 import random
 from collections.abc import Generator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic
 from urllib.parse import urlsplit
 
 import httpx
@@ -22,20 +22,22 @@ RESPONSE_TIMEOUT_S = 30.0
 MAX_ATTEMPTS = 4
 
 
+Step = dict[str, Any] | float
+"""Arguments of httpx's `stream`, or seconds to wait."""
+
+
+@dataclass(frozen=True)
+class Result(Generic[T]):
+    """Result of a conversation that has ended."""
+
+    value: T
+
+
 @dataclass(frozen=True)
 class Connection:
-    """A service, and how it is spoken to.
+    """A service, and how it is spoken to; parameters as of `Client`.
 
-    Attributes
-    ----------
-    site
-        Its address, without `/v1` and without a slash at the end.
-    token
-        API token; "" if there is none: then only the edge answers.
-    timeout
-        Seconds for an answer.
-    attempts
-        Number of times that a request is sent before its failure is believed.
+    `site` has neither `/v1` nor a slash at the end. Without a token, "", only the edge answers.
     """
 
     site: str
@@ -52,8 +54,7 @@ class Connection:
         parts = urlsplit(address)
         if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.username:
             raise UsageError(f"{address!r} is not an address of a service, such as https://calibdb.example")
-        credential = os.environ.get("CALIBDB_TOKEN", "") if token is None else token
-        credential = credential.strip()
+        credential = (os.environ.get("CALIBDB_TOKEN", "") if token is None else token).strip()
         if not credential.isascii() or not credential.isprintable() or " " in credential:
             raise UsageError("the token (CALIBDB_TOKEN) contains invalid characters")
         if not timeout > 0 or attempts < 1:
@@ -61,18 +62,15 @@ class Connection:
         return cls(address, credential, timeout, attempts)
 
     def arguments(self) -> dict[str, Any]:
-        """Return the arguments of httpx's clients. Proxies and CAs are the environment's, as usual."""
+        """Return the arguments of httpx's clients. Proxies and CAs are the environment's."""
         return {
             "timeout": httpx.Timeout(self.timeout, connect=min(CONNECT_TIMEOUT_S, self.timeout)),
             "headers": {"user-agent": f"calibdb-client/{__version__}"},
             "follow_redirects": False,
         }
 
-    def steps(self, flow: Flow[T]) -> Generator[dict[str, Any] | float, Reply | Failure | None, T]:
-        """Turn a conversation into messages to be sent, whose outcomes it takes, and pauses in seconds.
-
-        A request is sent until it is answered, at most as often as is allowed.
-        """
+    def steps(self, flow: Flow[T]) -> Generator[Step | Result[T], Reply | Failure | None, None]:
+        """Turn a conversation into steps, to whose messages the outcomes are sent, and its result."""
         try:
             request = next(flow)
             while True:
@@ -83,10 +81,9 @@ class Connection:
                 else:
                     request = flow.send(reply)
         except StopIteration as end:
-            result: T = end.value
-            return result
+            yield Result(end.value)
 
-    def _exchange(self, request: Request) -> Generator[dict[str, Any] | float, Reply | Failure | None, Reply]:
+    def _exchange(self, request: Request) -> Generator[Step, Reply | Failure | None, Reply]:
         message = self.message(request)
         attempts = self.attempts if request.repeats else 1
         for attempt in range(attempts):
@@ -121,34 +118,28 @@ class BodyTooLargeError(Exception):
     """The response is longer than anything that the service sends."""
 
 
-class Body:
+class Body(bytearray):
     """Body of a response while it arrives."""
-
-    def __init__(self) -> None:
-        self._parts: list[bytes] = []
-        self._length = 0
 
     def add(self, part: bytes) -> None:
         """Append a part. Raises BodyTooLargeError."""
-        self._length += len(part)
-        if self._length > MAX_BODY_BYTES:
+        self.extend(part)
+        if len(self) > MAX_BODY_BYTES:
             raise BodyTooLargeError
-        self._parts.append(part)
 
     def reply(self, response: httpx.Response) -> Reply:
         """Return the whole answer."""
         headers = {name.lower(): value for name, value in response.headers.items()}
-        return Reply(response.status_code, headers, b"".join(self._parts))
+        return Reply(response.status_code, headers, bytes(self))
 
 
 def failure(error: Exception) -> Failure:
-    """Return the failure that an exception of httpx stands for, in a few words without addresses."""
+    """Return the failure that an exception of httpx stands for, without addresses."""
     if isinstance(error, httpx.TimeoutException):
         return Failure("no response in time")
     if isinstance(error, httpx.ConnectError):
-        return Failure(
-            "no connection" if "certificate" not in str(error).lower() else "its certificate is not valid"
-        )
+        is_refused = "certificate" in str(error).lower()
+        return Failure("its certificate is not valid" if is_refused else "no connection")
     if isinstance(error, BodyTooLargeError):
         return Failure("its response is too long")
     return Failure("the connection broke")

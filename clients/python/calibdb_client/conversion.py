@@ -13,8 +13,7 @@ from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
 
 from .errors import UsageError
-from .files import ExportedFile, read_whole
-from .picture_change import UNCHANGED, PictureChange
+from .files import UNCHANGED, ExportedFile, PictureChange, read_whole
 
 if TYPE_CHECKING:
     from .recording import Recording
@@ -79,18 +78,10 @@ def write(
     recording: Recording | None = None,
     change: PictureChange = UNCHANGED,
 ) -> ExportedFile:
-    """Write a calibration's record as a file of another tool.
+    """Write a calibration's record as a file of another tool, for the changed picture.
 
-    Parameters
-    ----------
-    record, name
-        The calibration, and the format.
-    recording
-        The corners it was made of: a format that lacks its model is fitted to them.
-    change
-        Change of the picture that the file is for.
-
-    Raises UsageError if the format does not support the camera.
+    A format that lacks its model is fitted to the corners of the recording. Raises UsageError if the format
+    does not support the camera.
     """
     try:
         camera = Camera.from_record(record)
@@ -107,7 +98,7 @@ def write(
         transform = None if change == UNCHANGED else change.transform(camera.img_size)
         return _exported(formats.write(source, name, transform))
     except CalibrationError as error:
-        raise UsageError(f"{error}") from None
+        raise UsageError(str(error)) from None
 
 
 def write_rig(record: Mapping[str, Any], name: str) -> ExportedFile:

@@ -11,13 +11,7 @@ if TYPE_CHECKING:
 
 
 class CalibDBError(Exception):
-    """Base of every error that the client raises on purpose.
-
-    Attributes
-    ----------
-    recording
-        Views that were captured before it; None if there are none. Nothing that was captured is lost.
-    """
+    """Base of every error that the client raises on purpose; `recording` has the views captured before it."""
 
     exit_status = 1
     recording: Recording | None = None
@@ -65,37 +59,17 @@ class MirroredError(CaptureError):
 
 @dataclass(frozen=True)
 class FieldProblem:
-    """One field of a request that the service refused.
-
-    Attributes
-    ----------
-    field
-        Its path, joined by dots.
-    detail
-        The reason.
-    """
+    """One field of a request that the service refused: its path, joined by dots, and the reason."""
 
     field: str
     detail: str
 
 
 class ProblemError(CalibDBError):
-    """An error that the service answered (RFC 9457, problem details).
+    """An error that the service answered (RFC 9457, problem details), with all its members.
 
-    Attributes
-    ----------
-    status
-        HTTP status.
-    kind
-        Identifier of the kind of error: what follows the last `#` or `/` of `type`.
-    type, title, detail
-        Values of the response.
-    errors
-        Fields that were refused.
-    retry_after
-        Seconds after which the same request may succeed; None if the service names none.
-    members
-        All that was answered.
+    `kind` is what follows the last `#` or `/` of `type`; `retry_after`: seconds after which the same request
+    may succeed.
     """
 
     exit_status = 2

@@ -1,7 +1,5 @@
 """EXIF data of a photograph: camera, lens, focal length. EXIF 2.32 (CIPA DC-008), in JPEG and TIFF files."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,16 +18,9 @@ Entries = dict[int, tuple[int, int, int]]  # tag -> type, count, place of the va
 
 @dataclass(frozen=True)
 class Photograph:
-    """Facts about a photograph.
+    """Facts about a photograph, "" or 0 if missing.
 
-    Attributes
-    ----------
-    make, model, lens
-        Values of the file; "" if missing.
-    size
-        Width and height as the sensor wrote them, px.
-    focal_mm, focal_35mm
-        Focal length, and its equivalent on 35 mm film; 0 if the file does not have it.
+    `size` is as the sensor wrote it, px; `focal_35mm` is the equivalent of `focal_mm` on 35 mm film.
     """
 
     make: str

@@ -1,33 +1,31 @@
 """Conversations with the service, without a network: generators that yield requests and are sent replies.
 
-The client and its asynchronous twin drive the same conversations. An error that a reply stands for is raised
-inside the conversation, which may continue without it.
+Both clients drive the same conversations. An error that a reply stands for is raised inside the conversation,
+which may continue without it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from email.message import Message
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .answer import Answer, Estimate
 from .cache import Cache
+from .calibration import Answer, Estimate
 from .errors import CalibDBError, NotFoundError, ServiceUnavailableError, UsageError
 from .files import ExportedFile
 from .key import CameraKey
 from .wire import Reply, Request
 
 if TYPE_CHECKING:
-    from .calibration import Calibration
+    from .calibration import Maker
     from .recording import Recording
 
 T = TypeVar("T")
 Flow = Generator[Request, Reply, T]
 
 MAX_LOOKUP_VIEWS = 5
-"""Views that a lookup takes."""
 MAX_PAGES = 200
-"""Pages of a search that are read, at most."""
 
 
 def facts(reported: Mapping[str, float] | None, views: Recording | None) -> dict[str, Any]:
@@ -50,7 +48,7 @@ def lookup(
     model: str,
     site: str,
     cache: Cache | None,
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     facts: Mapping[str, Any],
 ) -> Flow[Answer]:
     """Look a camera up: in the cache, at the edge of a site, then by POST.
@@ -125,7 +123,6 @@ def segment(text: str) -> str:
 
 
 def _filename(disposition: str) -> str:
-    """Return the name of a file without any folder; "" if none is given."""
     message = Message()
     message["content-disposition"] = disposition or "attachment"
     name = str(message.get_filename() or "").replace("\\", "/").rpartition("/")[2]

@@ -1,6 +1,4 @@
-"""Recordings of pictures and videos: the board is recognised unless described."""
-
-from __future__ import annotations
+"""Recordings of pictures and videos."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -24,9 +22,7 @@ def recording_of(
 ) -> Recording:
     """Find the board in pictures, folders of pictures, or one video file.
 
-    Parameters as of `Client.calibrate_images`; `least` views suffice.
-
-    Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
+    At least `least` views must show it. Parameters and errors as of `Client.calibrate_images`.
     """
     board_views = FoundViews()
     sources = [paths] if isinstance(paths, (str, Path)) else list(paths)

@@ -21,7 +21,7 @@ UNNAMED = "unnamed camera"
 
 @runtime_checkable
 class HasLabel(Protocol):
-    """Interface of what knows its camera: an open camera, or one of the list of cameras."""
+    """An open camera, or one of the list of cameras, under the label and platform that Chromium gives."""
 
     @property
     def label(self) -> str:
@@ -110,16 +110,8 @@ def key_of(
 ) -> CameraKey:
     """Return the key of an open camera, a listed one, or a label.
 
-    Parameters
-    ----------
-    camera
-        A key is taken as it is; whatever else is given replaces its values.
-    platform
-        Required for a bare label.
-    size
-        Width and height, px; needed unless the camera is open.
-    zoom
-        Zoom of the picture; 0 if it is not given and the camera knows none.
+    The other arguments, sizes in px, replace what the camera knows. A bare label needs a platform, a camera
+    that is not open a size.
 
     Raises UsageError if something is missing.
     """

@@ -1,4 +1,4 @@
-"""Choice of the distortion model for a recording, by calibsolver on this machine."""
+"""Choice of the distortion model for a recording."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ MIN_COVERED = 0.99
 def chosen_model(recording: Recording, model: str) -> tuple[str, str | None]:
     """Return the model to use, and one that explains the views better or None.
 
-    `AUTO` is the model that predicts held-out views best, among those whose domain covers the
-    picture.
+    `AUTO` is the model that predicts held-out views best, among those whose domain covers the picture.
 
     Raises UsageError for an unknown model, CaptureError if no model fits.
     """

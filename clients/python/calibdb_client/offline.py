@@ -65,17 +65,10 @@ def calibrate_images(
 def calibrate_recording(
     recording: Recording, model: str = AUTO, *, fix: Fix = (), start: Calibration | None = None
 ) -> CaptureResult:
-    """Calibrate from captured corners.
+    """Calibrate from captured corners. The shape of the board is estimated too, except that of a circle grid.
 
-    The shape of the board is estimated too, except that of a circle grid.
-
-    Parameters
-    ----------
-    recording, model
-        The corners, and the distortion model.
-    fix, start
-        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`. With a start,
-        ``auto`` is its model.
+    `fix` and `start` say what is not estimated, and a calibration that may be near, as in `calibsolver.fit`.
+    With a start, ``auto`` is its model.
 
     Raises CaptureError if they do not suffice, UsageError if a parameter cannot be fixed.
     """
@@ -132,7 +125,6 @@ def calibrate_recording(
 
 
 def _run(flow: Generator[Any, Any, CaptureResult]) -> CaptureResult:
-    """Return the result of a conversation without network."""
     try:
         next(flow)
     except StopIteration as end:

@@ -1,10 +1,7 @@
-"""Pictures of a board in files: which are read, and the corners that they show."""
+"""Pictures of a board in files, and the corners that they show."""
 
-from __future__ import annotations
-
-import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,13 +12,12 @@ from .board import Board
 from .detection import Detector, recognise
 from .detection.recognition import MAX_LOOKED_AT
 from .errors import CaptureError, UsageError
-from .recording import RecordedView
+from .recording import Progress, RecordedView
 
 T = TypeVar("T")
 
 SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp"})
 UNREAD = frozenset({".heic", ".heif", ".avif", ".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf"})
-"""Suffixes of pictures that OpenCV does not read."""
 PLATFORM = "photographs"
 """Platform of pictures that no browser's camera took."""
 MAX_PICTURES = 400
@@ -34,18 +30,10 @@ MIN_VIEWS = 4
 
 @dataclass
 class FoundViews:
-    """Views found in pictures so far, and names of pictures without one.
+    """Views found in pictures or a video so far, with their picture's size, px.
 
-    Attributes
-    ----------
-    views
-        Views with their picture's size, px.
-    frames
-        Frames of a video that show the board; 0 for pictures.
-    broken
-        Sentence about a video that breaks off.
-    empty, unreadable
-        Names of pictures without the board, and of files that are not images.
+    Names of pictures without the board, and of files that are not images; the number of frames of a video
+    that show the board, and a sentence about one that breaks off.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
@@ -67,15 +55,15 @@ class FoundViews:
         size, count = sizes.most_common(1)[0]
         if count < least and self.frames > count:
             raise CaptureError(
-                f"{plural(self.frames, 'frame shows', 'frames show')} the board, but they are too alike: "
-                f"{plural(count, 'view differs', 'views differ')}, and {least} are needed, better 10. "
+                f"{_plural(self.frames, 'frame shows', 'frames show')} the board, but they are too alike: "
+                f"{_plural(count, 'view differs', 'views differ')}, and {least} are needed, better 10. "
                 "Move the board between the frames, and tilt it in several ways"
             )
         if count < least:
             several = f" of {size[0]}x{size[1]} px" if len(sizes) > 1 else ""
             raise CaptureError(
-                f"the board was detected in {plural(count, 'picture', 'pictures')}{several}, and {least} are "
-                "needed, better 10: describe the board by --kind and --squares if it is in more of them"
+                f"the board was detected in {_plural(count, 'picture', 'pictures')}{several}, and {least} "
+                "are needed, better 10: describe the board by --kind and --squares if it is in more of them"
             )
         views = [view for each, view in self.views if each == size]
         if not limited:
@@ -84,10 +72,6 @@ class FoundViews:
         while sum(len(view.ids) for view in views) > MAX_POINTS:
             views = _spread(views, len(views) - 1)
         return size, tuple(views)
-
-    def other_sizes(self, size: tuple[int, int]) -> int:
-        """Count the views of other sizes."""
-        return sum(each != size for each, _ in self.views)
 
     def _nothing(self) -> str:
         if self.unreadable and not self.empty:
@@ -107,13 +91,10 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
     paths: list[Path] = []
     for each in map(Path, given):
         if each.is_dir():
-            with os.scandir(each) as entries:
-                inside = [
-                    Path(e.path) for e in entries if Path(e.name).suffix.lower() in SUFFIXES and e.is_file()
-                ]
+            inside = sorted(p for p in each.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
             if not inside:
                 raise UsageError(_without_pictures(each))
-            paths += sorted(inside)
+            paths += inside
         elif each.is_file():
             if each.suffix.lower() == ".json":
                 raise UsageError(f"{each} is not an image: `calibdb submit {each}` uses the corners in it")
@@ -125,8 +106,7 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
     return paths
 
 
-def plural(count: int, one: str, other: str) -> str:
-    """Return a count with its noun."""
+def _plural(count: int, one: str, other: str) -> str:
     return f"{count} {one if count == 1 else other}"
 
 
@@ -149,31 +129,22 @@ def turned_by_camera(paths: Sequence[Path]) -> bool:
     content = _content(paths[0]) if paths else b""
     if not content.startswith(b"\xff\xd8"):
         return False
-    plain = _decode(content)
-    turned: Any = None
-    try:
-        turned = cv2.imdecode(np.frombuffer(content, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
-    except cv2.error:
-        return False
-    return (
-        plain is not None
-        and turned is not None
-        and (plain.shape != turned.shape or not np.array_equal(plain, turned))
-    )
+    plain, turned = _decode(content), _decode(content, cv2.IMREAD_GRAYSCALE)
+    return plain is not None and turned is not None and not np.array_equal(plain, turned)
 
 
 def read(
     paths: Sequence[Path],
     board: Board,
     board_views: FoundViews,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     most: int | None = MAX_PICTURES,
     mirrored: bool = False,
 ) -> None:
     """Find the board in pictures, and add to `board_views` one by one: an interruption loses nothing.
 
-    Pixels are those of the file: an orientation that the camera wrote next to them is not applied.
-    `mirrored` pictures are turned back. Of more pictures than `most`, as many are read, spread evenly.
+    Pixels are those of the file: an orientation that the camera wrote next to them is not applied. `mirrored`
+    pictures are turned back. At most `most` pictures are read, spread evenly.
     """
     detector = Detector(board, thorough=True)
     chosen = list(paths) if most is None else _spread(list(paths), most)
@@ -217,11 +188,12 @@ def _content(path: Path) -> bytes:
         return b""
 
 
-def _decode(content: bytes) -> Any:
-    """Return a picture (h, w) in shades of grey; None if it is none."""
+def _decode(content: bytes, flags: int | None = None) -> Any:
+    """Return a picture (h, w) in shades of grey, as the file has it; None if it is none."""
     import cv2
 
-    flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+    if flags is None:
+        flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         return cv2.imdecode(np.frombuffer(content, dtype=np.uint8), flags)
     except cv2.error:  # more pixels than OpenCV reads

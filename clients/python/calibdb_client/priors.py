@@ -1,16 +1,14 @@
 """Priors for structure from motion: the cameras of a folder of photographs, calibrated or estimated."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from . import exif
-from .answer import Answer, Estimate
-from .calibration import Calibration
+from .calibration import Answer, Calibration, Estimate
 from .errors import UsageError
 from .exif import Photograph
 from .key import CameraKey
@@ -22,17 +20,7 @@ _END = "END-OF-PHOTOGRAPHS"  # of a list in the shell script
 
 @dataclass(frozen=True)
 class PhotoGroup:
-    """Photographs of one camera, size and focal length, and what the database says of it.
-
-    Attributes
-    ----------
-    photo
-        Facts that they share.
-    paths
-        The photographs, by name.
-    answer
-        Answer to the lookup: a calibration or an estimate.
-    """
+    """Photographs of one camera, size and focal length, and what the database says of it."""
 
     photo: Photograph
     paths: tuple[Path, ...]
@@ -84,14 +72,11 @@ def look_up(
     lookup: Callable[[CameraKey, Mapping[str, float]], Answer],
 ) -> list[PhotoGroup]:
     """Look up the camera of each group."""
-    return [
-        PhotoGroup(
-            photo,
-            tuple(paths),
-            lookup(CameraKey(photo.label, PLATFORM, photo.size, photo.focal_mm), photo.reported),
-        )
-        for photo, paths in groups.items()
-    ]
+    found = []
+    for photo, paths in groups.items():
+        key = CameraKey(photo.label, PLATFORM, photo.size, photo.focal_mm)
+        found.append(PhotoGroup(photo, tuple(paths), lookup(key, photo.reported)))
+    return found
 
 
 def colmap(groups: Sequence[PhotoGroup]) -> str:
@@ -158,18 +143,11 @@ def _opensfm_name(photo: Photograph) -> str:
     return " ".join(["v2", photo.make.strip(), model.strip(), str(w), str(h), "perspective", focal]).lower()
 
 
-def openmvg(groups: Sequence[PhotoGroup]) -> str:
-    """Return lines for openMVG's database of sensor widths, whose focal lengths in pixels are these."""
-    return "".join(f"{make} {model};{width:.4f}\n" for make, model, width in _sensor_widths(groups))
+def _sensor_widths(line: str, groups: Iterable[PhotoGroup]) -> str:
+    """Return a line of a database for each make, model and width (mm).
 
-
-def meshroom(groups: Sequence[PhotoGroup]) -> str:
-    """Return lines for Meshroom's database of sensor widths, whose focal lengths in pixels are these."""
-    return "".join(f"{make};{model};{width:.4f};calibDB\n" for make, model, width in _sensor_widths(groups))
-
-
-def _sensor_widths(groups: Iterable[PhotoGroup]) -> list[tuple[str, str, float]]:
-    """Make, model and width (mm) by which the focal length in mm becomes that in pixels, once per camera."""
+    By the width the focal length in mm becomes that in pixels.
+    """
     widths = {}
     for group in groups:
         photo, matrix = group.photo, group.camera.camera_matrix
@@ -178,9 +156,11 @@ def _sensor_widths(groups: Iterable[PhotoGroup]) -> list[tuple[str, str, float]]
             widths[names] = float(photo.focal_mm * max(photo.size) / matrix[0, 0])
     if not widths:
         raise UsageError("no photograph has a focal length in its EXIF data, which this program needs")
-    return [(make, model, width) for (make, model), width in widths.items()]
+    return "".join(line.format(*names, width) for names, width in widths.items())
 
 
+openmvg = partial(_sensor_widths, "{} {};{:.4f}\n")
+meshroom = partial(_sensor_widths, "{};{};{:.4f};calibDB\n")
 WRITERS: dict[str, Callable[[Sequence[PhotoGroup]], str]] = {
     "colmap": colmap,
     "opensfm": opensfm,

@@ -1,10 +1,10 @@
-"""Corners that were captured, in a file: made before anything is sent, so that nothing is lost."""
+"""Recordings: captured corners in a file, written before anything is sent, so that nothing is lost."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,21 +19,15 @@ if TYPE_CHECKING:
 
     from .detection import Corners
 
+Progress = Callable[[int, int], None]
+"""Called with the number done, and the number of all."""
 FORMAT = "calibdb-recording-1"
 _MEMBER = "recording"
 
 
 @dataclass(frozen=True)
 class RecordedView:
-    """Corners of one picture.
-
-    Attributes
-    ----------
-    source
-        Name of the file.
-    ids, points
-        Numbers (n) of the corners, and their places (n, 2), px.
-    """
+    """Corners of one picture: the name of its file, numbers (n) and places (n, 2), px."""
 
     source: str
     ids: tuple[int, ...]
@@ -51,18 +45,9 @@ class RecordedView:
 
 @dataclass(frozen=True)
 class Recording:
-    """Views of one camera and one board.
+    """Views of one camera and one board, in the order in which they were taken.
 
-    Attributes
-    ----------
-    key
-        The camera.
-    board
-        The board.
-    views
-        In the order in which they were taken.
-    live
-        True if a guided capture took them, which can continue with them.
+    `live`: a guided capture took them, which can continue with them.
     """
 
     key: CameraKey

@@ -1,4 +1,4 @@
-"""Report of a calibration with its corners: plots and a table of the pictures, as HTML, PNG or PDF."""
+"""Report of a calibration with its corners."""
 
 from __future__ import annotations
 
@@ -32,18 +32,9 @@ _STYLE = (
 
 @dataclass(frozen=True)
 class PictureRow:
-    """Row of one picture.
+    """Row of one picture: corners, those that took part in the fit, px rms of these (NaN if none did).
 
-    Attributes
-    ----------
-    source
-        Name of the picture.
-    corners, used
-        Corners, and those that took part in the fit.
-    rms
-        px of those that took part; NaN if none did.
-    remark
-        Reason for which it is left out, or "".
+    `remark`: reason for which it is left out, or "".
     """
 
     source: str
@@ -72,14 +63,8 @@ def write_report(
 ) -> None:
     """Write a report of a calibration that has its corners; the suffix says whether HTML, PNG or PDF.
 
-    Parameters
-    ----------
-    path, calibration
-        The file, and the calibration. It is fitted to its corners again, for poses and error bars.
-    picture
-        One of its pictures (h, w) or (h, w, 3), to be shown before and after.
-    square_mm
-        Side of a square, or of a tag, if it is known.
+    It is fitted to its corners again, for poses and error bars. `picture` (h, w) or (h, w, 3), one of its
+    pictures, is shown before and after. `square_mm`: side of a square, or of a tag.
 
     Raises UsageError for another suffix, or if the corners are not there; MissingPackageError without
     matplotlib.
@@ -97,9 +82,8 @@ def write_report(
     except ImportError:
         raise MissingPackageError("plots need matplotlib: pip install matplotlib") from None
     fit, views = fit_again(recording, calibration)
-    title = (
-        f"{recording.key.camera}, {calibration.img_size[0]} x {calibration.img_size[1]}, {fit.camera.model}"
-    )
+    w, h = calibration.img_size
+    title = f"{recording.key.camera}, {w} x {h}, {fit.camera.model}"
     figure = plots.report(fit, views, title, picture)
     content = io.BytesIO()
     if target.suffix.lower() == ".html":
@@ -144,9 +128,11 @@ def _page(
     board: str | None,
 ) -> str:
     """Return the page: everything is in it, nothing is loaded from elsewhere."""
+    from calibsolver import models
+
     from .cli.output import calibration_facts
 
-    names = ("fx", "fy", "cx", "cy", *_coefficients(fit))
+    names = ("fx", "fy", "cx", "cy", *models.get(fit.camera.model).coefficients)
     deviations = np.sqrt(np.diagonal(fit.covariance))
     values = [
         f"<tr><td>{name}</td><td>{value:.6g}</td><td>± {sigma:.2g}</td></tr>"
@@ -173,9 +159,3 @@ def _page(
         f"<h2>Pictures</h2><table><tr><th>picture</th><th>corners</th><th>used</th><th>rms, px</th>"
         f"<th></th></tr>{''.join(pictures)}</table></html>\n"
     )
-
-
-def _coefficients(fit: Fit) -> tuple[str, ...]:
-    from calibsolver import models
-
-    return models.get(fit.camera.model).coefficients

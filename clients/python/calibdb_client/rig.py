@@ -1,9 +1,9 @@
-"""A rig as the service returns it: cameras calibrated together, and their relative poses."""
+"""A rig as the service returns it."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,9 +18,6 @@ from .calibration import Calibration, Exporter
 from .errors import UsageError
 from .files import ExportedFile, read_whole, write_whole
 
-RigExporter = Callable[[str, str], ExportedFile]
-"""Fetches the file of a rig's id in a format."""
-
 _JSON = "json"
 
 
@@ -28,16 +25,11 @@ _JSON = "json"
 class Rig:
     """Two to eight cameras that do not move against each other.
 
-    Attributes
-    ----------
-    record
-        All that the service answered, under its names (docs/api.md).
-
-    Raises UsageError for a record that is not a rig.
+    `record` is all that the service answered (docs/api.md). Raises UsageError for a record that is not a rig.
     """
 
     record: Mapping[str, Any]
-    _exporter: RigExporter | None = field(default=None, repr=False)
+    _exporter: Exporter | None = field(default=None, repr=False)
     _camera_exporter: Exporter | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -128,10 +120,9 @@ class Rig:
         return replace(self, record=record, _exporter=None)
 
     def save(self, path: str | Path, format: str | None = None) -> ExportedFile:  # noqa: A002 - the contract's name
-        """Write a file of one of the formats of docs/formats.md, and return it.
+        """Write a file of one of the formats of docs/formats.md, as a whole or not at all, and return it.
 
         Without a format the suffix of the path says it; one that contradicts the suffix raises UsageError.
-        The file is there as a whole or not at all.
         """
         from . import conversion
 
@@ -142,8 +133,8 @@ class Rig:
     def export(self, format: str = _JSON) -> ExportedFile:  # noqa: A002
         """Return the file in one of the formats of docs/formats.md; several files are one ZIP archive.
 
-        The service writes its own rigs, calibsolver all others. Raises UsageError if the format cannot
-        hold the rig.
+        The service writes its own rigs, calibsolver all others. Raises UsageError if the format cannot hold
+        the rig.
         """
         if format == _JSON:
             content = json.dumps(dict(self.record), indent=2, ensure_ascii=False) + "\n"

@@ -1,7 +1,5 @@
 """A rig from folders of pictures, one for each camera: paired by name or order, fitted by calibsolver."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,13 +11,12 @@ from .errors import CaptureError, UsageError
 from .key import AUTO, UNNAMED, CameraKey, checked_model
 from .model_choice import chosen_model
 from .pictures import PLATFORM, FoundViews, picture_paths
-from .recording import RecordedView, Recording
+from .recording import Progress, RecordedView, Recording
 from .rig import Rig
-from .session import Progress, refusal
+from .session import refusal
 
 MIN_CAMERAS, MAX_CAMERAS = 2, 8
 MIN_MOMENTS = 3
-"""Moments that two cameras share, of which a rig is calibrated."""
 _RIG_REASONS = {"contradicts": "it contradicts the others: the pictures are not of one moment"}
 
 
@@ -27,16 +24,7 @@ _RIG_REASONS = {"contradicts": "it contradicts the others: the pictures are not 
 class RigResult:
     """Result of a rig's calibration.
 
-    Attributes
-    ----------
-    rig
-        The rig.
-    board
-        The board in its pictures.
-    moments
-        Number of moments that two cameras or more saw.
-    left_out
-        Pictures, as folder/name, that took no part, and why.
+    `moments` were seen by two cameras or more; pictures left out are folder/name.
     """
 
     rig: Rig
@@ -45,10 +33,7 @@ class RigResult:
     left_out: tuple[tuple[str, str], ...] = ()
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
-        """Return a sentence on the bend and the print of the board; None if it was taken as drawn.
-
-        It is in millimetres if the side of a square is given.
-        """
+        """Return the sentence `Board.shape_sentence`."""
         return self.board.shape_sentence(self.rig.record.get("board_shape"), square_mm)
 
 
@@ -68,7 +53,7 @@ def calibrate_rig(
         A folder of pictures of each camera. Pictures with the same file name show the same moment; if no
         names are the same, those at the same place in the order of names do.
     board, model
-        The board, recognised unless given; the distortion model, chosen for each camera if ``auto``.
+        The board, recognised by default; the distortion model, chosen for each camera if ``auto``.
     square_size
         Side of a square, or of a tag, metres: lengths are then metres, else squares.
     progress
@@ -84,17 +69,13 @@ def calibrate_rig(
     chosen = board or pictures.recognise_board(max(paths, key=len))
     recordings, left_out, done = [], [], 0
     for position, files in enumerate(paths):
-        before, result = done, FoundViews()
-        pictures.read(files, chosen, result, _shifted(progress, before, sum(map(len, paths))))
+        result = FoundViews()
+        pictures.read(files, chosen, result, _shifted(progress, done, sum(map(len, paths))))
         done += len(files)
         size, views = result.of_one_size(MIN_MOMENTS)
         recordings.append(Recording(CameraKey(names[position], PLATFORM, size), chosen, views))
-        used = {view.source for view in views}
-        left_out += [
-            (f"{names[position]}/{file.name}", "no board was detected")
-            for file in files
-            if file.name not in used
-        ]
+        missed = {file.name for file in files} - {view.source for view in views}
+        left_out += [(f"{names[position]}/{name}", "no board was detected") for name in sorted(missed)]
     return fit_rig(recordings, moments, chosen, model, square_size, left_out)
 
 
@@ -172,9 +153,8 @@ def fit_rig(
         for each in fit["set_aside"]
     ]
     rig = Rig(_record(fit, recordings))
-    return RigResult(
-        rig if square_size is None else rig.to_metres(square_size), board, len(shared), tuple(left_out)
-    )
+    rig = rig if square_size is None else rig.to_metres(square_size)
+    return RigResult(rig, board, len(shared), tuple(left_out))
 
 
 def _record(fit: dict[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:

@@ -1,23 +1,18 @@
-"""A recording becomes a calibration in a session of the service; results of captures."""
+"""Sessions of the service, and results of captures."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from .board import Board
-from .calibration import Calibration
+from .calibration import Calibration, Maker
 from .errors import CaptureError, ConflictError, UsageError
 from .flows import Flow
 from .model_choice import chosen_model
-from .recording import Recording
+from .recording import Progress, Recording
 from .wire import Request
 
-Progress = Callable[[int, int], None]
-"""Called with the number done, and the number of all."""
 LICENCE = "CC0-1.0"
-"""The licence under which the database gives calibrations away."""
 LICENCE_VERSION = "2026-11-22"
 """Date of the terms that this version of the client refers to: `/terms/` of the site."""
 _REASONS = {
@@ -37,10 +32,8 @@ class CaptureResult:
 
     Attributes
     ----------
-    calibration
-        The calibration.
     used
-        Number of views behind it.
+        Number of views behind the calibration.
     left_out
         Sources of views that are not, and why.
     suggested_model
@@ -61,7 +54,7 @@ class CaptureResult:
         return self.board_sentence()
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
-        """Return the sentence `board`, in millimetres where the side of a square is given."""
+        """Return the sentence `board`, in millimetres if the side of a square is given."""
         recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
         if recording is None:
             return Board().shape_sentence(shape, None)
@@ -73,14 +66,7 @@ def start(
 ) -> Flow[tuple[str, Mapping[str, Any]]]:
     """Open a session, and return its id and state.
 
-    Parameters
-    ----------
-    recording, model
-        Camera and board, and the distortion model.
-    capture
-        ``live`` or ``recorded``.
-    consent
-        The licence that the contributor agreed to, as `consent_of` gives it.
+    `capture`: ``live`` or ``recorded``; `consent`: as of `consent_of`.
     """
     reply = yield Request("POST", "v1/auth")
     session = str(reply.json["session_id"])
@@ -95,27 +81,23 @@ def start(
     return session, reply.json
 
 
-def consent_of(licence: str | None) -> dict[str, str]:
-    """Return the members by which a contributor agrees to a licence; none without one.
+def consent_of(licence: str | None, mode_name: str | None = None) -> dict[str, str]:
+    """Return the members by which a contributor agrees to a licence, and names the camera's mode.
 
     Raises UsageError for a licence that the database does not have.
     """
+    members = {"mode_name": mode_name} if mode_name else {}
     if licence is None:
-        return {}
+        return members
     if licence != LICENCE:
         raise UsageError(f"calibrations are given away under {LICENCE}, or not at all, not {licence!r}")
-    return {"licence": LICENCE, "licence_version": LICENCE_VERSION}
-
-
-def extras_of(licence: str | None, mode_name: str | None) -> dict[str, str]:
-    """Return the members of a session that its contributor chooses: consent, and the name of the mode."""
-    return consent_of(licence) | ({"mode_name": mode_name} if mode_name else {})
+    return members | {"licence": LICENCE, "licence_version": LICENCE_VERSION}
 
 
 def submit(
     recording: Recording,
     model: str,
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     progress: Progress | None = None,
     consent: Mapping[str, str] | None = None,
 ) -> Flow[CaptureResult]:
@@ -165,7 +147,7 @@ def submit(
 
 def result_of(
     state: Mapping[str, Any],
-    make: Callable[[Mapping[str, Any]], Calibration],
+    make: Maker,
     used: int,
     left_out: tuple[tuple[str, str], ...],
     suggested: str | None,

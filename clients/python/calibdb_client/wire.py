@@ -1,6 +1,4 @@
-"""Requests and replies without a network: what is sent, what is answered, and when to ask again."""
-
-from __future__ import annotations
+"""Requests and replies without a network."""
 
 import json
 from collections.abc import Mapping
@@ -24,7 +22,6 @@ MAX_WAIT_S = 8.0
 """Longest pause before a request is repeated; longer ones are the caller's."""
 FIRST_WAIT_S = 0.25
 MAX_BODY_BYTES = 32 * 1024 * 1024
-"""Largest response that is read."""
 
 _REPEATED = frozenset({429, 500, 502, 503, 504})
 _ERRORS: Mapping[int, type[ProblemError]] = {
@@ -39,10 +36,7 @@ _ERRORS: Mapping[int, type[ProblemError]] = {
 
 @dataclass(frozen=True)
 class Request:
-    """One HTTP request, relative to the address of the service.
-
-    Every request of the API is idempotent.
-    """
+    """One HTTP request, relative to the address of the service. Every request of the API is idempotent."""
 
     method: str
     path: str
@@ -85,14 +79,8 @@ class Failure:
 def pause(outcome: Reply | Failure, attempt: int, jitter: float) -> float | None:
     """Return the seconds to wait before the request is repeated; None if it should not be.
 
-    Parameters
-    ----------
-    outcome
-        The answer, or the failure.
-    attempt
-        Number of the attempt, from 0.
-    jitter
-        Random number in 0 to 1, so that many clients do not return at the same moment.
+    `attempt` counts from 0; `jitter` is random, 0 to 1, so that many clients do not return at the same
+    moment.
     """
     backoff: float = min(FIRST_WAIT_S * 2**attempt, MAX_WAIT_S) * (0.5 + 0.5 * jitter)
     if isinstance(outcome, Failure):
@@ -113,10 +101,10 @@ def require_success(outcome: Reply | Failure, site: str) -> Reply:
         )
     if outcome.status < 400:
         return outcome
-    raise error_of(outcome, site)
+    raise _error_of(outcome, site)
 
 
-def error_of(reply: Reply, site: str) -> ProblemError | ServiceUnavailableError:
+def _error_of(reply: Reply, site: str) -> ProblemError | ServiceUnavailableError:
     """Return the error that a reply describes; a gateway's own form, or none, is understood too."""
     try:
         said = reply.json

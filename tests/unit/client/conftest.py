@@ -1,5 +1,7 @@
 """Fit of real photographs that tests of several modules begin with."""
 
+from pathlib import Path
+
 import pytest
 
 from calibdb_client import CaptureResult, offline
@@ -15,6 +17,15 @@ def left() -> CaptureResult:
 def left_file(left: CaptureResult) -> bytes:
     """Content of the file that `calibdb submit` writes: the calibration with its corners."""
     return recording_of("opencv_left").content(left.calibration.record)
+
+
+@pytest.fixture
+def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, and no service."""
+    for name in ("CALIBDB_URL", "CALIBDB_TOKEN"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture

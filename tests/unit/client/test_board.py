@@ -9,21 +9,19 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board, UsageError
-from calibdb_client.board_sheet import black, largest_square_mm, pdf, png
-from calibdb_client.cli import main
-from calibdb_client.cli.board import add_board, chosen_board
+from calibdb_client.board_sheet import largest_square_mm, pdf, png
+from calibdb_client.cli.options import add_board, chosen_board
+from tests.helpers.command import calibdb
 
 
 def test_board_is_black_where_opencv_draws_it() -> None:
+    cell = 120
     for board in (Board(), Board((8, 8), 0.75, "DICT_5X5_100"), Board((6, 8), 0.5, legacy=True)):
-        cell = 120
-        drawn = np.full((board.squares[1] * cell, board.squares[0] * cell), 255, dtype=np.uint8)
-        for x, y, w, h in black(board):
-            left, top, right, bottom = (round(cell * each) for each in (x, y, x + w, y + h))
-            drawn[top:bottom, left:right] = 0
-        size = (board.squares[0] * cell, board.squares[1] * cell)
-        expected = board.opencv().generateImage(size, marginSize=0, borderBits=1)
-        assert (np.abs(drawn.astype(int) - expected) > 128).mean() < 0.01
+        drawn = cv2.imdecode(np.frombuffer(png(board, cell), dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+        w, h = (cell * n for n in board.squares)
+        expected = board.opencv().generateImage((w, h), marginSize=0, borderBits=1)
+        off = drawn[cell // 2 :, cell // 2 :][:h, :w].astype(int) - expected
+        assert (np.abs(off) > 128).mean() < 0.01
 
 
 def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
@@ -41,22 +39,17 @@ def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
     assert (largest_square_mm(Board((9, 6)), "a4"), largest_square_mm(Board((6, 9)), "a4")) == (30, 29.5)
     with pytest.raises(UsageError, match="1 to"):
         pdf(Board(), "a4", 60)
+    circles = Board((7, 5), kind="circles", marker_ratio=0.5)
+    assert b"circles, 7 x 5, diameter 0.5, 20 mm from row to row" in pdf(circles, "a4", 20)
 
 
-def test_picture_shows_every_corner() -> None:
-    board = Board((8, 8), 0.75, "DICT_4X4_1000")
-    picture = cv2.imdecode(np.frombuffer(png(board, 60), dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
-    ids = cv2.aruco.CharucoDetector(board.opencv()).detectBoard(picture)[1]
-    assert sorted(ids.ravel().tolist()) == list(range(board.corner_count))
-
-
-def test_board_command_writes_both(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    files = [tmp_path / "board.pdf", tmp_path / "board.png"]
-    assert main(["board", "--pdf", str(files[0]), "--png", str(files[1]), "--squares", "8x8"]) == 0
-    assert all(path.stat().st_size > 1000 for path in files)
-    assert main(["board"]) == 2
-    assert main(["board", "--pdf", str(tmp_path / "absent" / "board.pdf")]) == 2
-    assert main(["board", "--png", str(files[1]), "--squares", "20x20"]) == 2
+@pytest.mark.usefixtures("working")
+def test_board_command_writes_both(capfd: pytest.CaptureFixture[str]) -> None:
+    assert calibdb("board --pdf board.pdf --png board.png --squares 8x8") == 0
+    assert all(Path(name).stat().st_size > 1000 for name in ("board.pdf", "board.png"))
+    assert calibdb("board") == 2
+    assert calibdb("board --pdf absent/board.pdf") == 2
+    assert calibdb("board --png board.png --squares 20x20") == 2
     assert "larger dictionary" in capfd.readouterr().err
 
 

@@ -1,4 +1,4 @@
-"""Boards in drawn pictures, whose corners are known: found to a fraction of a pixel, and recognised."""
+"""Boards in drawn pictures, whose corners are known, and in real photographs and videos of CALIBDB_DATA."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board
+from calibdb_client.capture.video import board_in_video, read_video
 from calibdb_client.detection import Detector, recognise
 from calibdb_client.errors import CaptureError, MirroredError
 from calibdb_client.pictures import FoundViews, picture_paths, read, recognise_board
@@ -27,15 +28,20 @@ KINDS = (
 )
 UNUSUAL = replace(KINDS[6], tag_spacing=0.43)
 TILTS = board_pictures.TILTS[:2]
+DISTANCE = 1.2  # sides of the board
+
+
+def drawn(board: Board, tilt: tuple[float, float, float] = TILTS[0]) -> np.ndarray:
+    return board_pictures.picture(board, tilt, DISTANCE * max(board.size))
 
 
 @pytest.mark.parametrize("board", KINDS, ids=str)
 def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
     assert Board(**board.record()) == board
-    distance = 1.2 * max(board.size)
+    distance = DISTANCE * max(board.size)
     bound = 0.3 if board.kind == "aprilgrid" else 0.1  # a tag's outer corner has no second edge to hold it
     for tilt in TILTS:
-        found = Detector(board).find(board_pictures.picture(board, tilt, distance))
+        found = Detector(board).find(drawn(board, tilt))
         assert found is not None
         assert len(found.ids) > 0.6 * board.corner_count
         expected = board_pictures.corners(board, tilt, (0, 0, distance))[list(found.ids)]
@@ -63,7 +69,7 @@ def test_chessboard_found_in_a_shrunk_picture_has_the_same_corners(inverted: boo
 )
 def test_board_of_every_kind_is_recognised(board: Board) -> None:
     tilts = TILTS if board.kind == "aprilgrid" else TILTS[:1]
-    found = recognise([board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in tilts])
+    found = recognise([drawn(board, tilt) for tilt in tilts])
     assert found is not None
     assert found.tag_spacing == pytest.approx(board.tag_spacing, abs=0.005)
     assert replace(found, tag_spacing=board.tag_spacing) == board
@@ -94,7 +100,7 @@ def test_kalibrs_tags_have_a_wider_border_and_another_turn() -> None:
 )
 def test_mirrored_pictures_are_recognised_as_mirrored(board: Board, inverted: bool) -> None:
     shown = replace(board, inverted=inverted)
-    pictures = [board_pictures.picture(shown, TILTS[0], 1.2 * max(board.size))[:, ::-1]]
+    pictures = [drawn(shown)[:, ::-1]]
     with pytest.raises(MirroredError, match="--mirrored"):
         recognise(pictures)
     assert recognise(pictures, mirrored=True) == shown
@@ -105,7 +111,7 @@ def test_partly_hidden_markers_suffice() -> None:
     board = Board((9, 6))
     pictures = []
     for n, tilt in enumerate(TILTS):
-        picture = board_pictures.picture(board, tilt, 1.2 * max(board.size)).copy()
+        picture = drawn(board, tilt).copy()
         w = picture.shape[1]
         picture[:, : w // 2 if n % 2 else 0] = 128
         picture[:, w if n % 2 else w // 2 :] = 128
@@ -117,7 +123,7 @@ def test_corners_between_two_markers_stay_where_single_markers_contradict(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """OpenCV then returns no corner: None instead of arrays."""
-    picture = board_pictures.picture(Board(), TILTS[0], 12)
+    picture = drawn(Board())
     detector = Detector(Board())
     whole = detector.find(picture)
     nothing = SimpleNamespace(detectBoard=lambda *_: (None, None, (), None))
@@ -130,12 +136,12 @@ def test_corners_between_two_markers_stay_where_single_markers_contradict(
 
 
 def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:
-    drawn = [
-        board_pictures.picture(Board(squares, kind="chessboard"), tilt, 1.2 * squares[0])
-        for squares in ((7, 6), (7, 5))
+    boards = [Board(squares, kind="chessboard") for squares in ((7, 6), (7, 5))]
+    pictures = [
+        cv2.resize(drawn(board, tilt), (320, 240), interpolation=cv2.INTER_AREA)
+        for board in boards
         for tilt in TILTS
     ]
-    pictures = [cv2.resize(picture, (320, 240), interpolation=cv2.INTER_AREA) for picture in drawn]
     with pytest.raises(CaptureError, match=r"7x6 or 7x5 squares.*Count its squares"):
         recognise(pictures)
 
@@ -179,7 +185,7 @@ def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
     assert board.tag_spacing == 0.3
     result = FoundViews()
     read(paths, board, result)
-    views = [board.view(view.ids, view.points) for _, view in result.views]
+    views = list(board.views(view.record() for _, view in result.views))
     calibration = fit(views, (1024, 1024), "fisheye")
     assert len(views) == 5
     assert not calibration.cut_views
@@ -189,3 +195,34 @@ def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
 def test_spacing_on_which_pictures_disagree_is_refused() -> None:
     boards = [Board((4, 3), kind="aprilgrid", tag_spacing=spacing) for spacing in (0.2, 0.5)]
     assert recognise([board_pictures.picture(board, TILTS[0], 8.5) for board in boards]) is None
+
+
+WHITE_ON_BLACK = Board((4, 5), 0.75, inverted=True)
+VIDEOS = {
+    "caliscope_opt1.mp4": WHITE_ON_BLACK,
+    "caliscope_opt1_mpeg4.mp4": WHITE_ON_BLACK,
+    "caliscope_char0_mpeg4.mp4": WHITE_ON_BLACK,
+    "chessboard_yubin.mp4": Board((9, 7), kind="chessboard"),
+    "chessboard_uk.avi": Board((11, 8), kind="chessboard"),
+}
+FASTEST = "caliscope_char0_mpeg4.mp4"
+
+
+@external_data
+@pytest.mark.parametrize("name", [FASTEST, *thorough(*(name for name in VIDEOS if name != FASTEST))])
+def test_board_of_a_real_video_is_recognised(name: str) -> None:
+    assert board_in_video(data_dir() / "videos" / name) == VIDEOS[name]
+
+
+@external_data
+@pytest.mark.thorough
+def test_mirrored_video_is_recognised_and_turned_back() -> None:
+    path = data_dir() / "videos" / "caliscope_pre1_mirrored.mp4"
+    with pytest.raises(MirroredError):
+        board_in_video(path)
+    found = FoundViews()
+    assert read_video(path, None, found, mirrored=True) == WHITE_ON_BLACK
+    assert found.frames > 40
+    size, views = found.of_one_size()
+    assert size == (1280, 720)
+    assert len(views) == 4, "the other frames show poses that are too alike"

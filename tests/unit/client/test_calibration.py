@@ -21,6 +21,7 @@ RECORD: dict[str, Any] = {
     "camera": "Camera",
     "reliable": True,
 }
+pytestmark = pytest.mark.usefixtures("working")
 
 
 def test_frame_is_remapped_by_the_tables_and_one_of_another_size_refused() -> None:
@@ -32,26 +33,26 @@ def test_frame_is_remapped_by_the_tables_and_one_of_another_size_refused() -> No
         calibration.undistort(frame[:24, :32])
 
 
-def test_saved_file_is_read_back_as_it_was(tmp_path: Path) -> None:
-    Calibration(RECORD).save(tmp_path / "camera.json")
-    assert Calibration.load(tmp_path / "camera.json").record == RECORD
-    assert [path.name for path in tmp_path.iterdir()] == ["camera.json"]
+def test_saved_file_is_read_back_as_it_was() -> None:
+    Calibration(RECORD).save("camera.json")
+    assert Calibration.load("camera.json").record == RECORD
+    assert [path.name for path in Path().iterdir()] == ["camera.json"]
 
 
-def test_files_of_calibrations_that_the_service_holds_come_from_it(tmp_path: Path) -> None:
+def test_files_of_calibrations_that_the_service_holds_come_from_it() -> None:
     asked = []
 
     def export(identifier: str, form: str) -> ExportedFile:
         asked.append((identifier, form))
         return ExportedFile(b"yaml", "x.yaml")
 
-    Calibration(RECORD, export).save(tmp_path / "camera.yaml", format="ros")
+    Calibration(RECORD, export).save("camera.yaml", format="ros")
     assert asked == [(RECORD["id"], "ros")]
-    assert (tmp_path / "camera.yaml").read_bytes() == b"yaml"
-    Calibration({**RECORD, "id": None}, export).save(tmp_path / "none.yaml", format="ros")
-    assert b"plumb_bob" in (tmp_path / "none.yaml").read_bytes()
+    assert Path("camera.yaml").read_bytes() == b"yaml"
+    Calibration({**RECORD, "id": None}, export).save("none.yaml", format="ros")
+    assert b"plumb_bob" in Path("none.yaml").read_bytes()
     with pytest.raises(UsageError, match="cannot be written"):
-        Calibration(RECORD).save(tmp_path / "absent" / "camera.json")
+        Calibration(RECORD).save("absent/camera.json")
 
 
 def test_camera_info_has_the_fields_of_ros() -> None:
@@ -73,11 +74,11 @@ def test_camera_info_has_the_fields_of_ros() -> None:
         {"distortion_model": None},
     ],
 )
-def test_record_that_is_no_calibration_is_refused(change: dict[str, Any], tmp_path: Path) -> None:
+def test_record_that_is_no_calibration_is_refused(change: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match="not a calibration"):
         Calibration({**RECORD, **change})
-    (tmp_path / "x.json").write_text(json.dumps([1]))
+    Path("x.json").write_text(json.dumps([1]))
     with pytest.raises(UsageError, match="not a calibration"):
-        Calibration.load(tmp_path / "x.json")
+        Calibration.load("x.json")
     with pytest.raises(UsageError, match="cannot be read"):
-        Calibration.load(tmp_path / "absent.json")
+        Calibration.load("absent.json")

@@ -66,27 +66,29 @@ class Service:
     def paths(self) -> list[str]:
         return [f"{each.method} {each.url.path}" for each in self.asked]
 
-    def lookup(self, twin: bool, cache: Path | bool = False, times: int = 1, **options: Any) -> Answer:
-        """Look `KEY` up with the client or with its twin; return the last answer."""
-        if twin:
-            return asyncio.run(self._lookup(cache, times, **options))
-        with Client(
-            SITE, TOKEN, transport=httpx.MockTransport(self), sleep=self.pauses.append, cache=cache, **options
-        ) as client:
-            for _ in range(times):
-                answer = client.lookup(KEY)
-        return answer
+    def client(self, token: str | None = TOKEN, cache: Path | bool = False) -> Client:
+        return Client(SITE, token, transport=httpx.MockTransport(self), sleep=self.pauses.append, cache=cache)
 
-    async def _lookup(self, cache: Path | bool, times: int, **options: Any) -> Answer:
+    def lookup(self, twin: bool, cache: Path | bool = False) -> Answer:
+        """Look `KEY` up with the client or with its twin."""
+        if twin:
+            return asyncio.run(self._lookup(cache))
+        with self.client(cache=cache) as client:
+            return client.lookup(KEY)
+
+    async def _lookup(self, cache: Path | bool) -> Answer:
         async def sleep(seconds: float) -> None:
             self.pauses.append(seconds)
 
-        async with AsyncClient(
-            SITE, TOKEN, transport=httpx.MockTransport(self), sleep=sleep, cache=cache, **options
-        ) as client:
-            for _ in range(times):
-                answer = await client.lookup(KEY)
-        return answer
+        network = httpx.MockTransport(self)
+        async with AsyncClient(SITE, TOKEN, transport=network, sleep=sleep, cache=cache) as client:
+            return await client.lookup(KEY)
+
+
+def known(cache_control: str = "") -> Service:
+    """Service whose edge knows the camera."""
+    headers = {"cache-control": cache_control}
+    return Service(lambda _: httpx.Response(200, json=RECORD, headers=headers))
 
 
 both = pytest.mark.parametrize("twin", [False, True], ids=["sync", "async"])
@@ -101,7 +103,7 @@ def problem(status: int, **members: Any) -> Callable[[httpx.Request], httpx.Resp
     def answer(request: httpx.Request) -> httpx.Response:
         if request.method == "GET":
             return httpx.Response(404)
-        headers = {"retry-after": str(members["after"])} if "after" in members else {}
+        headers = {"retry-after": str(members.get("after", ""))}
         said = {"type": f"{SITE}/docs/problems/#kind", "title": "T", "status": status, "detail": "It is so."}
         return httpx.Response(status, json=said | members, headers=headers)
 
@@ -121,7 +123,7 @@ def test_digest_normalises_the_label_and_refuses_fine_zooms() -> None:
 
 @both
 def test_known_camera_is_answered_by_one_get_without_credential(twin: bool) -> None:
-    service = Service(lambda _: httpx.Response(200, json=RECORD))
+    service = known()
     answer = service.lookup(twin)
     assert answer.calibration is not None
     assert answer.calibration.record == RECORD
@@ -133,26 +135,17 @@ def test_known_camera_is_answered_by_one_get_without_credential(twin: bool) -> N
 @both
 def test_camera_that_the_edge_does_not_know_is_asked_of_the_service(twin: bool) -> None:
     service = Service(by_post)
-    answer = service.lookup(twin, times=2)
-    assert answer.source == "service"
-    assert service.paths == [
-        f"GET /{VECTORS[0][2]}",
-        "POST /v1/lookup",
-        f"GET /{VECTORS[0][2]}",
-        "POST /v1/lookup",
-    ]
+    assert service.lookup(twin).source == "service"
+    assert service.paths == [f"GET /{VECTORS[0][2]}", "POST /v1/lookup"]
     assert service.asked[1].headers["authorization"] == f"Bearer {TOKEN}"
     assert json.loads(service.asked[1].content)["redirect"] is False
 
 
 @both
 def test_answer_of_the_edge_is_kept_as_long_as_it_allows(twin: bool, tmp_path: Path) -> None:
-    def answer(_: httpx.Request) -> httpx.Response:
-        return httpx.Response(200, json=RECORD, headers={"cache-control": "public, max-age=60, s-maxage=300"})
-
     folder = tmp_path / "cache"
-    service = Service(answer)
-    assert service.lookup(twin, folder, times=2).source == "cache"
+    service = known("public, max-age=60, s-maxage=300")
+    assert [service.lookup(twin, folder).source for _ in range(2)] == ["edge", "cache"]
     assert len(service.asked) == 1
     (kept,) = folder.iterdir()
     assert stat.S_IMODE(kept.stat().st_mode) == 0o600
@@ -167,18 +160,14 @@ def test_answer_of_the_edge_is_kept_as_long_as_it_allows(twin: bool, tmp_path: P
 
 @both
 def test_answer_without_lifetime_is_not_kept(twin: bool, tmp_path: Path) -> None:
-    service = Service(
-        lambda _: httpx.Response(200, json=RECORD, headers={"cache-control": "no-store, max-age=60"})
-    )
-    service.lookup(twin, tmp_path / "cache")
+    known("no-store, max-age=60").lookup(twin, tmp_path / "cache")
     assert not (tmp_path / "cache").exists()
 
 
 @both
 def test_lookup_succeeds_where_the_cache_cannot_be_written(twin: bool, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    service = Service(lambda _: httpx.Response(200, json=RECORD, headers={"cache-control": "max-age=60"}))
-    assert service.lookup(twin, tmp_path / "file" / "cache").source == "edge"
+    assert known("max-age=60").lookup(twin, tmp_path / "file" / "cache").source == "edge"
 
 
 @both
@@ -276,16 +265,15 @@ def test_address_that_is_none_is_refused(url: str, monkeypatch: pytest.MonkeyPat
 
 def test_missing_token_is_said_where_it_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("CALIBDB_TOKEN", raising=False)
-    service = Service(lambda _: httpx.Response(200, json=RECORD))
-    with Client(SITE, transport=httpx.MockTransport(service), cache=False) as client:
+    with known().client(token=None) as client:
         assert client.lookup(KEY).calibration, "the edge asks for none"
         with pytest.raises(UsageError, match="CALIBDB_TOKEN"):
             client.cameras()
 
 
 def test_ids_do_not_leave_their_place_in_the_address() -> None:
-    service = Service(lambda _: httpx.Response(200, json=RECORD))
-    with Client(SITE, TOKEN, transport=httpx.MockTransport(service), cache=False) as client:
+    service = known()
+    with service.client() as client:
         for identifier in ("../tokens", "..", "a/b", "a?b", ""):
             with pytest.raises(UsageError):
                 client.calibration(identifier)
@@ -306,13 +294,9 @@ assert set(calibdb_client.__all__) <= {n for n in calibdb_client.__all__ if geta
 
 
 def test_import_loads_nothing_heavy_works_without_opencv_and_leaves_no_thread() -> None:
-    name = "PYTHONPYCACHEPREFIX"
-    bytecode_cache = {name: os.environ[name]} if name in os.environ else {}
-    subprocess.run(
-        [sys.executable, "-c", IMPORT],
-        check=True,
-        env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver", **bytecode_cache},
-    )
+    environment = {"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver"}
+    environment |= {name: os.environ[name] for name in ("PYTHONPYCACHEPREFIX",) if name in os.environ}
+    subprocess.run([sys.executable, "-c", IMPORT], check=True, env=environment)
 
 
 @pytest.mark.parametrize("client", [Client, AsyncClient])

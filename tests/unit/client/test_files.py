@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from calibdb_client import Calibration, CaptureResult, Rig, UsageError
-from calibdb_client.cli import main
 from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
+from tests.helpers.command import calibdb
+
+pytestmark = pytest.mark.usefixtures("working")
 
 
 @pytest.fixture(scope="module")
@@ -21,34 +23,32 @@ def calibrated(left_file: bytes, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 @pytest.mark.parametrize("name", FORMATS)
-def test_calibration_made_here_is_exported_in_every_format(
-    name: str, calibrated: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "out"
-    assert main(["export", str(calibrated), "--format", name, "-o", str(path)]) == 0
+def test_calibration_made_here_is_exported_in_every_format(name: str, calibrated: Path) -> None:
+    path = Path("out")
+    assert calibdb(f"export {calibrated} --format {name} -o {path}") == 0
     assert path.stat().st_size > 80
 
 
-def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path, tmp_path: Path) -> None:
+def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path) -> None:
     calibration = Calibration.load(calibrated)
-    calibration.save(tmp_path / "camera.cameramodel")
-    assert b"optimization_inputs" in (tmp_path / "camera.cameramodel").read_bytes()
-    assert calibration.save(tmp_path / "x.txt").content.count(b"OPENCV") == 1
-    assert calibration.save(tmp_path / "x.yaml", format="kalibr").content.count(b"cam0:") == 1
+    calibration.save("camera.cameramodel")
+    assert b"optimization_inputs" in Path("camera.cameramodel").read_bytes()
+    assert calibration.save("x.txt").content.count(b"OPENCV") == 1
+    assert calibration.save("x.yaml", format="kalibr").content.count(b"cam0:") == 1
     assert format_of("opencv", "x.json") == "opencv-json"
     assert format_of("opencv", "x.yml") == "opencv-yaml"
     with pytest.raises(UsageError, match="ros or kalibr"):
-        calibration.save(tmp_path / "y.yaml")
+        calibration.save("y.yaml")
     with pytest.raises(UsageError, match=r"suffix of mrcal"):
-        calibration.save(tmp_path / "y.cameramodel", format="ros")
+        calibration.save("y.cameramodel", format="ros")
     with pytest.raises(UsageError, match="no format is called 'rosy'"):
-        calibration.save(tmp_path / "y.yaml", format="rosy")
-    assert main(["export", str(calibrated), "-o", str(tmp_path / "z.yaml")]) == 2
-    assert not list(tmp_path.glob("[yz].*"))
+        calibration.save("y.yaml", format="rosy")
+    assert calibdb(f"export {calibrated} -o z.yaml") == 2
+    assert not list(Path().glob("[yz].*"))
 
 
 def test_changed_picture_is_exported(calibrated: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
-    assert main(["export", str(calibrated), "--format", "calibdb", "--resize", "320x240"]) == 0
+    assert calibdb(f"export {calibrated} --format calibdb --resize 320x240") == 0
     half = json.loads(capfdbinary.readouterr().out)
     whole = Calibration.load(calibrated).camera_matrix
     assert half["img_size"] == [320, 240]
@@ -56,26 +56,26 @@ def test_changed_picture_is_exported(calibrated: Path, capfdbinary: pytest.Captu
     assert half["camera_matrix"][0][2] == pytest.approx((whole[0, 2] + 0.5) / 2 - 0.5)
 
 
-def test_file_of_another_tool_is_converted_and_loaded(tmp_path: Path) -> None:
-    source = tmp_path / "camera.yml"
-    storage = cv2.FileStorage(str(source), cv2.FILE_STORAGE_WRITE)
+def test_file_of_another_tool_is_converted_and_loaded() -> None:
+    source = "camera.yml"
+    storage = cv2.FileStorage(source, cv2.FILE_STORAGE_WRITE)
     matrix = np.array([[810.0, 0, 640], [0, 812, 360], [0, 0, 1]])
     storage.write("image_width", 1280)
     storage.write("image_height", 720)
     storage.write("camera_matrix", matrix)
     storage.write("distortion_coefficients", np.array([[-0.3, 0.1, 0.001, -0.002, 0.01]]))
     storage.release()
-    assert main(["convert", str(source), "-o", str(tmp_path / "camera.cameramodel")]) == 0
-    loaded = Calibration.load(tmp_path / "camera.cameramodel")
+    assert calibdb(f"convert {source} -o camera.cameramodel") == 0
+    loaded = Calibration.load("camera.cameramodel")
     assert np.array_equal(loaded.camera_matrix, matrix)
     assert np.isnan(loaded.avg_reprojection_error)
     assert np.array_equal(Calibration.load(source).distortion_coefficients, loaded.distortion_coefficients)
-    (tmp_path / "board.txt").write_text("a board, glued to a table\n")
-    assert main(["convert", str(tmp_path / "board.txt"), "--format", "ros"]) == 2
+    Path("board.txt").write_text("a board, glued to a table\n")
+    assert calibdb("convert board.txt --format ros") == 2
 
 
 @pytest.mark.parametrize("name", RIG_FORMATS)
-def test_rig_on_disk_is_exported_in_every_format(name: str, tmp_path: Path) -> None:
+def test_rig_on_disk_is_exported_in_every_format(name: str) -> None:
     camera: dict[str, Any] = {
         "camera": "Left",
         "img_size": [640, 480],
@@ -86,11 +86,11 @@ def test_rig_on_disk_is_exported_in_every_format(name: str, tmp_path: Path) -> N
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0.0] * 6}
     moved = {"position": 1, "rvec": [0, 0.02, 0], "tvec": [-3.3, 0, 0.1], "std": [0.01] * 6}
     record = {"calibrations": [camera, camera], "extrinsics": [still, moved], "unit": "squares"}
-    (tmp_path / "rig.json").write_text(json.dumps(record))
-    assert main(["export", str(tmp_path / "rig.json"), "--format", name, "-o", str(tmp_path / "out")]) == 0
-    assert (tmp_path / "out").stat().st_size > 100
-    assert Rig.load(tmp_path / "rig.json").save(tmp_path / "rig.yaml").content.count(b"T_cn_cnm1") == 1
+    Path("rig.json").write_text(json.dumps(record))
+    assert calibdb(f"export rig.json --format {name} -o out") == 0
+    assert Path("out").stat().st_size > 100
+    assert Rig.load("rig.json").save("rig.yaml").content.count(b"T_cn_cnm1") == 1
 
 
-def test_calibration_in_memory_is_saved_with_its_corners(left: CaptureResult, tmp_path: Path) -> None:
-    assert left.calibration.save(tmp_path / "corners.vnl").content.count(b"\n") > 13 * 54
+def test_calibration_in_memory_is_saved_with_its_corners(left: CaptureResult) -> None:
+    assert left.calibration.save("corners.vnl").content.count(b"\n") > 13 * 54

@@ -7,28 +7,24 @@ import numpy as np
 import pytest
 
 from calibdb_client import Calibration, offline
-from calibdb_client.cli import main
 from calibdb_client.report import fit_again
+from tests.helpers.command import calibdb
 from tests.helpers.recordings import recording_of
 
 pytestmark = pytest.mark.usefixtures("no_suggestion")
+CORNERS = "corners.json"
 FEW = replace(recording_of("opencv_left"), views=recording_of("opencv_left").views[::3])
 
 
-@pytest.fixture
-def corners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    path = Path("corners.json")
-    path.write_bytes(FEW.content())
-    return path
+@pytest.fixture(autouse=True)
+def corners(working: Path) -> None:
+    FEW.save(working / CORNERS)
 
 
-def test_submit_fixes_values_and_keeps_their_names(corners: Path) -> None:
-    assert (
-        main(["submit", str(corners), "--offline", "--model", "rectilinear", "--fix", "cx=320,cy=240,k3"])
-        == 0
-    )
-    found = Calibration.load(corners)
+def test_submit_fixes_values_and_keeps_their_names() -> None:
+    fixed = ["--model", "rectilinear", "--fix", "cx=320,cy=240,k3"]
+    assert calibdb(f"submit {CORNERS} --offline", *fixed) == 0
+    found = Calibration.load(CORNERS)
     assert found.camera_matrix[:2, 2].tolist() == [320, 240]
     assert found.distortion_coefficients[4] == 0
     assert found.record["fixed"] == ["cx", "cy", "k3"]
@@ -39,12 +35,12 @@ def test_submit_fixes_values_and_keeps_their_names(corners: Path) -> None:
     assert again.camera.matrix[:2, 2].tolist() == [320, 240]
 
 
-def test_start_gives_model_and_values(corners: Path) -> None:
+def test_start_gives_model_and_values() -> None:
     first = offline.calibrate_recording(FEW, "fisheye", fix="aspect").calibration
     assert first.camera_matrix[0, 0] == pytest.approx(first.camera_matrix[1, 1], rel=1e-12)
     first.save("first.json")
-    assert main(["submit", str(corners), "--offline", "--start", "first.json", "--fix", "fx,fy"]) == 0
-    found = Calibration.load(corners)
+    assert calibdb(f"submit {CORNERS} --offline --start first.json --fix fx,fy") == 0
+    found = Calibration.load(CORNERS)
     assert found.distortion_model == "fisheye"
     assert found.camera_matrix[0, 0] == first.camera_matrix[0, 0]
 
@@ -59,11 +55,11 @@ def test_start_gives_model_and_values(corners: Path) -> None:
     ],
 )
 def test_what_cannot_be_fixed_is_a_usage_error(
-    corners: Path, options: list[str], says: str, capsys: pytest.CaptureFixture[str]
+    options: list[str], says: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["submit", str(corners), "--label", "Camera", "--model", "rectilinear", *options]) == 2
+    assert calibdb(f"submit {CORNERS} --label Camera --model rectilinear", *options) == 2
     assert says in capsys.readouterr().err
 
 
 def test_live_captures_are_refused_with_the_way_to_go() -> None:
-    assert main(["calibrate", "0", "--offline", "--fix", "center"]) == 2
+    assert calibdb("calibrate 0 --offline --fix center") == 2

@@ -17,23 +17,20 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board, Calibration, CameraError, CaptureError, Recording, UsageError, offline
-from calibdb_client.capture import frames as frames_module
-from calibdb_client.capture.feedback import Scene
-from calibdb_client.capture.frames import Frames
+from calibdb_client.capture import source as source_module
+from calibdb_client.capture.feedback import Scene, Terminal, draw
 from calibdb_client.capture.guide import Status, Target
 from calibdb_client.capture.outline import advice, difference, outline_of
-from calibdb_client.capture.source import is_stream, open_source
+from calibdb_client.capture.source import Frames, NamedSource, is_stream, open_source
 from calibdb_client.capture.stillness import Stillness
-from calibdb_client.capture.terminal import Terminal
 from calibdb_client.capture.video import read_video
-from calibdb_client.capture.window import draw
-from calibdb_client.cli import main
-from calibdb_client.cli.capture_options import licence_of
+from calibdb_client.cli.options import licence_of
 from calibdb_client.cli.output import Output
 from calibdb_client.detection import Corners
 from calibdb_client.pictures import FoundViews
 from calibdb_client.session import consent_of
 from tests.helpers import board_pictures
+from tests.helpers.command import calibdb
 from tests.helpers.data import ROOT
 from tests.helpers.virtual_person import Listener, VirtualCamera
 
@@ -55,16 +52,15 @@ class Tape:
 
 
 def no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(frames_module, "LOST_PAUSE_S", 0)
+    monkeypatch.setattr(source_module, "LOST_PAUSE_S", 0)
 
 
 @pytest.mark.usefixtures("no_suggestion")
 def test_capture_that_ends_early_is_kept_and_goes_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Ctrl-C, a camera that is not there, one that is unplugged; then the capture reaches its end."""
     no_pause(monkeypatch)
-    monkeypatch.chdir(tmp_path)
     camera = VirtualCamera(seed=2)
     listener = Listener(camera)
     read, taken = camera.read, listener.taken
@@ -80,37 +76,34 @@ def test_capture_that_ends_early_is_kept_and_goes_on(
 
     monkeypatch.setattr(offline, "calibrate", virtual)
     monkeypatch.setattr(listener, "taken", press)
-    assert main(["calibrate", "0", "--offline", "--squares", "9x6"]) == 130
+    assert calibdb("calibrate 0 --offline --squares 9x6") == 130
     assert listener.closed
-    (path,) = tmp_path.iterdir()
+    (path,) = working.iterdir()
     assert f"`calibdb resume {path.name}` continues" in capfd.readouterr().err
     kept = Recording.load(path)
     assert len(kept.views) == 1
-    assert main(["resume", path.name, "no such camera", "--offline"]) == 6
+    assert calibdb(f"resume {path.name} 'no such camera' --offline") == 6
     assert "no camera 'no such camera'" in capfd.readouterr().err
     assert Recording.load(path) == kept
     monkeypatch.setattr(listener, "taken", taken)
     monkeypatch.setattr(camera, "read", lambda: read() if listener.views < 2 else (False, None))
-    assert main(["resume", path.name, "0", "--offline"]) == 6
+    assert calibdb(f"resume {path.name} 0 --offline") == 6
     said = capfd.readouterr().err
     assert "plugged in" in said
     assert "2 views are in" in said
     assert len(Recording.load(path).views) == 2
     monkeypatch.setattr(camera, "read", read)
-    assert main(["resume", path.name, "0", "--offline", "--json"]) == 0
+    assert calibdb(f"resume {path.name} 0 --offline --json") == 0
     calibration = Calibration.load(path)
     assert abs(calibration.camera_matrix[0, 0] - camera.fx) < 2
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    assert [each.name for each in working.iterdir()] == [path.name]
     recording = Recording.load(path)
     assert recording.live
     assert 4 <= len(recording.views) <= 8
 
 
-@pytest.mark.usefixtures("no_suggestion")
-def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("no_suggestion", "working")
+def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(capfd: pytest.CaptureFixture[str]) -> None:
     writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 1, board_pictures.SIZE)
     for n, tilt in enumerate(board_pictures.TILTS[:5]):
         picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
@@ -118,7 +111,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
     plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
-    assert main(["calibrate", "board.avi", *plain, "-o", "camera.json"]) == 0
+    assert calibdb("calibrate board.avi -o camera.json", *plain) == 0
     found = Calibration.load("camera.json")
     assert np.abs(found.camera_matrix - board_pictures.MATRIX).max() < 3 * found.uncertainty["rms"] + 2
     assert len(Recording.load("camera.json").views) == 5
@@ -129,7 +122,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     read_video("cut.avi", Board(), cut)
     assert "breaks off after" in cut.broken
     assert cut.views
-    assert main(["calibrate", "none.mp4", "--offline"]) == 2
+    assert calibdb("calibrate none.mp4 --offline") == 2
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end
     capture = cv2.VideoCapture("board.avi")
@@ -139,7 +132,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
 
 def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
     no_pause(monkeypatch)
-    changed = Frames(Tape(PICTURE, PICTURE, PICTURE[:, :32]), "camera 0")
+    changed = Frames(NamedSource(Tape(PICTURE, PICTURE, PICTURE[:, :32]), "camera 0"))
     first, second = changed.next(), changed.next()
     assert first is not None
     assert second is not None
@@ -147,7 +140,7 @@ def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.Monke
     with pytest.raises(CameraError, match="from 64x48 to 32x48"):
         changed.next()
     with pytest.raises(CameraError, match="camera 0 delivers no picture"):
-        _ = Frames(Tape(), "camera 0").size
+        _ = Frames(NamedSource(Tape(), "camera 0")).size
     with pytest.raises(CameraError, match="no picture"):
         offline.calibrate(Tape(), board=Board(), show="none")
     with pytest.raises(CaptureError, match="0 views"):
@@ -184,22 +177,20 @@ def test_hold_survives_a_smeared_frame_and_ends_with_motion() -> None:
 
 
 def seen(
-    rvec: tuple[float, float, float], shift: tuple[float, float] = (0, 0), distance: float = 11.0
+    rvec: tuple[float, float, float] = (0, 0, 0), x: float = 0, y: float = 0, distance: float = 11.0
 ) -> Any:
     """Outline (4, 2) px of the usual board."""
     board = Board()
-    return outline_of(
-        board, range(board.corner_count), board_pictures.corners(board, rvec, (*shift, distance))
-    )
+    return outline_of(board, range(40), board_pictures.corners(board, rvec, (x, y, distance)))
 
 
 @pytest.mark.parametrize(
     ("code", "target"),
     [
-        ("left", seen((0, 0, 0), (-4, 0))),
-        ("down", seen((0, 0, 0), (0, 3))),
-        ("closer", seen((0, 0, 0), distance=8)),
-        ("farther", seen((0, 0, 0), distance=16)),
+        ("left", seen(x=-4)),
+        ("down", seen(y=3)),
+        ("closer", seen(distance=8)),
+        ("farther", seen(distance=16)),
         ("turn_clockwise", seen((0, 0, 0.4))),
         ("tilt_top", seen((0.5, 0, 0))),
         ("tilt_left", seen((0, -0.5, 0))),
@@ -207,9 +198,9 @@ def seen(
     ],
 )
 def test_advice_names_the_movement_that_is_missing(code: str, target: Any) -> None:
-    assert advice(seen((0, 0, 0)), target) == code
+    assert advice(seen(), target) == code
     if code.startswith("tilt"):
-        assert difference(seen((0, 0, 0)), target) > 0.08
+        assert difference(seen(), target) > 0.08
 
 
 def test_terminal_gives_settled_words_and_rings(capfd: pytest.CaptureFixture[str]) -> None:
@@ -224,15 +215,6 @@ def test_terminal_gives_settled_words_and_rings(capfd: pytest.CaptureFixture[str
     assert capfd.readouterr().err.splitlines() == ["move the board left", "view taken: 1 view, 20 %, 3.00 px"]
 
 
-def everything(leader: int) -> bytes:
-    """Read all that was written to a terminal whose other end is closed, in however many pieces it comes."""
-    told = b""
-    with contextlib.suppress(OSError):  # the end
-        while piece := os.read(leader, 65536):
-            told += piece
-    return told
-
-
 def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
     leader, follower = pty.openpty()
     before = threading.active_count()
@@ -242,15 +224,18 @@ def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
         assert threading.active_count() == before
         terminal.taken(Status(3, 0.6, 0.5))
         terminal.close()
-    told = everything(leader).decode()
+    told = b""
+    with contextlib.suppress(OSError):  # the end
+        while piece := os.read(leader, 65536):
+            told += piece
     os.close(leader)
-    assert "2 views, 50 %, 0.70 px" in told
-    assert "\a" in told
+    assert b"2 views, 50 %, 0.70 px" in told
+    assert b"\a" in told
 
 
 def test_window_draws_target_corners_and_words() -> None:
-    target = Target(0, (), np.empty((0, 2)), np.array([[10.0, 10], [300, 10], [300, 200]]), "", "")
-    picture = np.full((240, 320), 100, dtype=np.uint8)
+    target = Target(0, (), np.empty((0, 2)), np.array([[10.0, 10], [300, 10], [300, 200]]))
+    picture = cv2.resize(PICTURE, (320, 240))
     drawn = draw(Scene(picture, np.array([[50.0, 50]]), target, "hold", 0.5, Status(1, 0.5)))
     assert drawn.shape == (240, 320, 3)
     assert drawn[10, 100].tolist() != [100, 100, 100]
@@ -267,12 +252,15 @@ def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str
     with pytest.raises(CameraError, match=r"stream of 127\.0\.0\.1 cannot be opened") as refused:
         open_source("http://user:secret@127.0.0.1:9/video")
     assert "secret" not in str(refused.value)
-    assert main(["calibrate", "http://127.0.0.1:9/video", "--offline"]) == 6
-    for name in ("no such camera", "USB2.0 HD UVC WebCam"):
-        assert main(["calibrate", name, "--offline"]) == 6
-    assert main(["calibrate", "absent.mp4", "--offline"]) == 2
-    assert main(["calibrate", str(tmp_path / "absent"), "--offline"]) == 2
-    assert main(["calibrate", "http://127.0.0.1:9/video", "--licence", "MIT"]) == 2
+    assert calibdb("calibrate http://127.0.0.1:9/video --offline") == 6
+    for name, status in (
+        ("no such camera", 6),
+        ("USB2.0 HD UVC WebCam", 6),
+        ("absent.mp4", 2),
+        (str(tmp_path / "absent"), 2),
+    ):
+        assert calibdb(f"calibrate '{name}' --offline") == status
+    assert calibdb("calibrate http://127.0.0.1:9/video --licence MIT") == 2
     assert "CC0-1.0" in capfd.readouterr().err
 
 

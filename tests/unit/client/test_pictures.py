@@ -2,7 +2,6 @@
 
 import json
 import re
-import struct
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,15 +10,16 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from PIL import Image
 
 from calibdb_client import Board, Calibration, CaptureError, Recording, UsageError, offline, pictures
 from calibdb_client.cli import main
-from calibdb_client.detection import Detector
 from calibdb_client.pictures import FoundViews, picture_paths, read, turned_by_camera
 from calibsolver import fit
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
-from tests.helpers.data import data_dir, external_data
+from tests.helpers.command import calibdb
+from tests.helpers.data import data_dir, external_data, float32
 from tests.helpers.recordings import recording_of
 
 BOARD = ["--model", "rectilinear", "--squares", "9x6"]
@@ -31,26 +31,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return board_pictures.write(tmp_path_factory.mktemp("drawn"), Board(), 4)
 
 
-@pytest.fixture
-def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in, and no service."""
-    for name in ("CALIBDB_URL", "CALIBDB_TOKEN"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def test_picture_without_the_board_has_no_corners() -> None:
-    assert Detector(Board()).find(np.full((480, 640), 128, dtype=np.uint8)) is None
-    assert (
-        Detector(Board((9, 6), 0.65, "DICT_7X7_50")).find(board_pictures.picture(Board(), (0.1, 0.2, 0)))
-        is None
-    )
-
-
 @pytest.mark.usefixtures("no_suggestion")
 def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["calibrate", str(folder), "--offline", "--json"]) == 0
+    assert calibdb(f"calibrate {folder} --offline --json") == 0
     told = capfd.readouterr()
     (path,) = working.iterdir()
     calibration = Calibration.load(path)
@@ -58,8 +41,8 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     sigma = calibration.uncertainty["rms"]
     assert np.abs(calibration.camera_matrix - board_pictures.MATRIX).max() < 3 * sigma + 1
     assert len(Recording.load(path).views) == 4
-    assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
-    assert main(["calibrate", str(folder), "--offline", *BOARD]) == 0
+    assert calibdb(f"submit {path}") == 2, "nobody said which camera it is"
+    assert calibdb(f"calibrate {folder} --offline", *BOARD) == 0
     (other,) = set(working.iterdir()) - {path}  # an earlier capture is never replaced
     assert np.allclose(Calibration.load(other).camera_matrix, calibration.camera_matrix)
 
@@ -67,7 +50,7 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
 def test_service_that_is_not_there_loses_no_corner(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["calibrate", str(folder), *BOARD, "--label", "Camera", "-o", "kept.json"]) == 2
+    assert calibdb(f"calibrate {folder} --label Camera -o kept.json", *BOARD) == 2
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 4
     assert [path.name for path in working.iterdir()] == ["kept.json"]
@@ -81,7 +64,7 @@ def test_interruption_keeps_what_was_found(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
-    assert main(["calibrate", str(folder), *BOARD, "--offline", "-o", "kept.json"]) == 130
+    assert calibdb(f"calibrate {folder} --offline -o kept.json", *BOARD) == 130
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 4
 
@@ -92,9 +75,10 @@ def test_command_says_what_it_leaves_out_and_writes_another_tools_file(
 ) -> None:
     """Photographs with an EXIF orientation, next to pictures of another size and other files."""
     mixed = board_pictures.write(working / "mixed", Board(), 5)
+    turned = Image.Exif()
+    turned[0x0112] = 6
     for path in list(mixed.iterdir()):
-        jpeg = cv2.imencode(".jpg", cv2.imread(str(path)), [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
-        path.with_suffix(".jpg").write_bytes(with_orientation(jpeg, 6))
+        Image.open(path).save(path.with_suffix(".jpg"), quality=98, exif=turned)
         path.unlink()
     assert turned_by_camera(sorted(mixed.iterdir()))
     small = board_pictures.picture(Board(), (0.2, 0.2, 0))
@@ -121,23 +105,16 @@ def test_command_says_what_it_leaves_out_and_writes_another_tools_file(
     assert content["camera_matrix"]["data"] == kept.camera_matrix.ravel().tolist()
 
 
-def with_orientation(jpeg: bytes, orientation: int) -> bytes:
-    """Insert an EXIF segment with one entry, the orientation."""
-    tiff = b"II*\0" + struct.pack("<IHHHII", 8, 1, 0x112, 3, 1, orientation) + b"\0" * 4
-    body = b"Exif\0\0" + tiff
-    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(body) + 2) + body + jpeg[2:]
-
-
 def test_too_few_pictures_and_another_board_are_said(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     three = [str(path) for path in sorted(folder.iterdir())[:3]]
-    assert main(["calibrate", *three, *BOARD, "--offline"]) == 7
+    assert calibdb("calibrate --offline", *three, *BOARD) == 7
     assert "detected in 3 pictures, and 4 are needed" in capfd.readouterr().err
-    assert main(["calibrate", *three, "--offline", "--dictionary", "DICT_7X7_50"]) == 7
+    assert calibdb("calibrate --offline --dictionary DICT_7X7_50", *three) == 7
     assert "--dictionary" in capfd.readouterr().err
     for wrong in ([str(working)], [str(working / "absent")], [str(folder)]):
-        assert main(["calibrate", *wrong]) == 2
+        assert calibdb("calibrate", *wrong) == 2
     assert list(working.iterdir()) == []
 
 
@@ -177,19 +154,12 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     """With the board as drawn, OpenCV's; in its shape, one that the error bars reach."""
     photographs = data_dir() / "photos" / "charuco_1280x720"
     options = [*PHOTOGRAPHS, "--model", "rectilinear", "-o", "camera.json"]
-    assert main(["calibrate", str(photographs), "--offline", *options]) == 0
+    assert calibdb(f"calibrate {photographs} --offline", *options) == 0
     recording = Recording.load(working / "camera.json")
     assert len(recording.views) == 16
-    objects = [
-        np.array([[i % 7 + 1.0, i // 7 + 1.0, 0] for i in view.ids], dtype=np.float32)
-        for view in recording.views
-    ]
-    seen = [np.array(view.points, dtype=np.float32) for view in recording.views]
-    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(
-        objects, seen, recording.key.img_size, None, None
-    )
-    views = [recording.board.view(view.ids, view.points) for view in recording.views]
-    drawn = fit(views, recording.key.img_size, board_shape=False).camera
+    views, size = recording.observations(), recording.key.img_size
+    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(*float32(views), size, None, None)
+    drawn = fit(views, size, board_shape=False).camera
     found = Calibration.load(working / "camera.json")
     off = np.abs([np.diag(c)[:2] - np.diag(matrix)[:2] for c in (drawn.matrix, found.camera_matrix)])
     assert off[0].max() < 0.05
@@ -203,8 +173,8 @@ def test_failure_names_the_model_that_fits(
     left, wide = recording_of("jy_left"), recording_of("babel_ov_plane")
     replace(left, views=left.views[::4]).save(working / "left.json")
     replace(wide, views=wide.views[::8]).save(working / "wide.json")
-    assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
+    assert calibdb("submit left.json --offline --model rectilinear") == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
     monkeypatch.setattr(offline, "chosen_model", lambda *_: ("rectilinear", "fisheye"))
-    assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
+    assert calibdb("submit wide.json --offline --model rectilinear") == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

@@ -7,21 +7,19 @@ import pytest
 from matplotlib.figure import Figure
 
 from calibdb_client import Board, Calibration, CameraKey, Recording, UsageError
-from calibdb_client.cli import main
 from calibdb_client.recording import RecordedView
 from calibdb_client.report import write_report
 from calibsolver import plots
+from tests.helpers.command import calibdb
 from tests.helpers.service.client import Truth
 from tests.helpers.service.published import held
 from tests.unit.client.test_calibration import RECORD
 
 
-def test_report_of_a_file_has_plots_and_a_row_per_picture(
-    left_file: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("working")
+def test_report_of_a_file_has_plots_and_a_row_per_picture(left_file: bytes) -> None:
     Path("left.json").write_bytes(left_file)
-    assert main(["plot", "left.json"]) == 0
+    assert calibdb("plot left.json") == 0
     page = Path("report.html").read_text()
     assert page.count("<tr><td>") == 9 + 13 + page[: page.index("<h2>")].count("<tr><td>")
     assert "12.jpg" in page
@@ -35,12 +33,11 @@ def test_report_without_corners_is_refused(tmp_path: Path) -> None:
         write_report(tmp_path / "report.html", Calibration(RECORD))
 
 
-@pytest.mark.usefixtures("no_suggestion")
+@pytest.mark.usefixtures("no_suggestion", "working")
 def test_bent_board_is_named_by_the_command_and_the_report(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A board as drawn, and one whose middle rises by 0.08 squares, 0.7 % of its length off a plane."""
-    monkeypatch.chdir(tmp_path)
     in_mm = ["--square-mm", "30"]
     monkeypatch.setattr(plots, "report", lambda *_: Figure())
     said = []
@@ -50,19 +47,20 @@ def test_bent_board_is_named_by_the_command_and_the_report(
             for n, (ids, points) in enumerate(held(Truth(sag=sag), 8))
         )
         Recording(CameraKey("Webcam", "linux", (1280, 720)), Board(), views).save(name)
-        assert main(["submit", name, "--offline", "--model", "rectilinear", *in_mm]) == 0
+        assert calibdb(f"submit {name} --offline --model rectilinear", *in_mm) == 0
         said += re.findall(r"Your board .*", capsys.readouterr().err)
     for square in (in_mm, []):
-        assert main(["plot", "bent.json", *square]) == 0
+        assert calibdb("plot bent.json", *square) == 0
         said += re.findall(r"Your board [^<]*", Path("report.html").read_text())
-    assert main(["plot", "bent.json", "-o", "report.pdf"]) == 0
+    assert calibdb("plot bent.json -o report.pdf") == 0
     assert Path("report.pdf").read_bytes().startswith(b"%PDF")
-    assert main(["plot", "bent.json", "-o", "report.gif"]) == 2
+    assert calibdb("plot bent.json -o report.gif") == 2
     millimetres, reported, bent = said
     assert millimetres == reported
-    found = re.fullmatch(r"Your board is bent by (.*) % of its length; that was taken into account.", bent)
-    assert found is not None
-    assert float(found[1]) == pytest.approx(0.7, abs=0.15)
-    found = re.fullmatch(r"Your board is bent by (.*) mm; that was taken into account.", millimetres)
-    assert found is not None
-    assert float(found[1]) == pytest.approx(0.007 * 7 * 30, abs=0.3), "seven squares between the corners"
+    for sentence, unit, bend, tolerance in (
+        (bent, "% of its length", 0.7, 0.15),
+        (millimetres, "mm", 0.007 * 7 * 30, 0.3),  # seven squares between the corners
+    ):
+        found = re.fullmatch(rf"Your board is bent by (.*) {unit}; that was taken into account.", sentence)
+        assert found is not None
+        assert float(found[1]) == pytest.approx(bend, abs=tolerance)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from calibdb_client import CaptureError, Rig, UsageError
-from calibdb_client.cli import main
 from calibdb_client.recording import Recording
 from calibdb_client.rig_pictures import _moments, fit_rig
+from tests.helpers.command import calibdb
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.recordings import recording_of
 
@@ -69,16 +69,14 @@ def test_cameras_that_share_too_little_are_refused(pair: list[Recording]) -> Non
 
 @external_data
 @pytest.mark.thorough
-def test_rig_of_fisheyes_is_calibrated_from_two_folders(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("working")
+def test_rig_of_fisheyes_is_calibrated_from_two_folders() -> None:
     """The fit of all 34 pairs has a baseline of 4.076 squares."""
-    monkeypatch.chdir(tmp_path)
     for side in ("left", "right"):
         Path(side).mkdir()
         for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::4]:
             (Path(side) / path.name).symlink_to(path)
-    assert main(["rig", "left", "right", "--kind", "chessboard", "--squares", "9x7", "-o", "rig.yaml"]) == 0
+    assert calibdb("rig left right --kind chessboard --squares 9x7 -o rig.yaml") == 0
     rig = Rig.load("rig.calibdb.json")
     assert baseline(rig) == pytest.approx(4.076, rel=0.01)
     assert {camera.distortion_model for camera in rig.calibrations} <= {"fisheye", "omnidirectional"}

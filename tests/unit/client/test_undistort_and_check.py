@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from calibdb_client import Calibration, CaptureResult, offline
-from calibdb_client.cli import main
+from tests.helpers.command import calibdb
 from tests.helpers.recordings import recording_of
 
 RECORD = {
@@ -20,10 +20,9 @@ RECORD = {
 }
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(autouse=True)
+def folder(working: Path) -> Path:
     """Folder with a calibration, a picture of a straight line, and a video of it."""
-    monkeypatch.chdir(tmp_path)
     Path("camera.json").write_text(json.dumps(RECORD))
     frame = np.full((240, 320, 3), 255, dtype=np.uint8)
     x = np.linspace(-0.45, 0.45, 4000)
@@ -37,7 +36,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for _ in range(3):
         writer.write(frame)
     writer.release()
-    return tmp_path
+    return working
 
 
 def bend(picture: np.ndarray) -> int:
@@ -47,47 +46,43 @@ def bend(picture: np.ndarray) -> int:
 
 def test_pictures_folders_and_videos_are_straightened(folder: Path) -> None:
     assert bend(cv2.imread("photos/line.png")) >= 3
-    assert main(["undistort", "photos/line.png", "--with", "camera.json", "-o", "out.png"]) == 0
+    assert calibdb("undistort photos/line.png --with camera.json -o out.png") == 0
     assert bend(cv2.imread("out.png")) <= 1
-    assert main(["undistort", "photos", "--with", "camera.json", "-o", "straight", "--alpha", "1"]) == 0
+    assert calibdb("undistort photos --with camera.json -o straight --alpha 1") == 0
     assert sorted(path.name for path in (folder / "straight").iterdir()) == ["again.png", "line.png"]
-    assert main(["undistort", "in.avi", "--with", "camera.json", "-o", "out.avi"]) == 0
+    assert calibdb("undistort in.avi --with camera.json -o out.avi") == 0
     reader = cv2.VideoCapture("out.avi")
     assert int(reader.get(cv2.CAP_PROP_FRAME_COUNT)) == 3
     assert bend(reader.read()[1]) <= 2
 
 
-@pytest.mark.usefixtures("folder")
 def test_pictures_are_not_replaced_and_other_sizes_refused() -> None:
-    assert main(["undistort", "photos", "--with", "camera.json", "-o", "photos"]) == 2
+    assert calibdb("undistort photos --with camera.json -o photos") == 2
     cv2.imwrite("small.png", np.zeros((24, 32), dtype=np.uint8))
-    assert main(["undistort", "small.png", "--with", "camera.json", "-o", "x.png"]) == 2
-    assert main(["undistort", "photos", "--with", "absent.yaml", "-o", "out"]) == 2
+    assert calibdb("undistort small.png --with camera.json -o x.png") == 2
+    assert calibdb("undistort photos --with absent.yaml -o out") == 2
 
 
-@pytest.mark.usefixtures("folder", "no_suggestion")
+@pytest.mark.usefixtures("no_suggestion")
 def test_calibration_at_hand_is_checked_on_fresh_views() -> None:
     whole = recording_of("opencv_left")
     first = replace(whole, views=whole.views[::2])
     replace(whole, views=whole.views[1::2]).save("fresh.json")
     calibration = offline.calibrate_recording(first, "rectilinear").calibration
     calibration.save("camera.yaml", format="ros")
-    assert main(["check", "fresh.json", "--against", "camera.yaml"]) == 0
-    other = json.loads(json.dumps(dict(calibration.record)))
-    other["camera_matrix"][0][0] *= 1.05
-    Path("zoomed.json").write_text(json.dumps(other))
-    assert main(["check", "fresh.json", "--against", "zoomed.json"]) == 1
+    assert calibdb("check fresh.json --against camera.yaml") == 0
+    matrix = calibration.camera_matrix * [[1.05, 1, 1], [1, 1, 1], [1, 1, 1]]
+    Calibration({**calibration.record, "camera_matrix": matrix.tolist()}).save("zoomed.json")
+    assert calibdb("check fresh.json --against zoomed.json") == 1
 
 
-@pytest.mark.usefixtures("folder")
 def test_check_says_errors_and_drift(left: CaptureResult, capfd: pytest.CaptureFixture[str]) -> None:
     recording_of("opencv_left").save("views.json")
     left.calibration.save("same.json")
-    assert main(["check", "views.json", "--against", "same.json", "--json"]) == 0
+    assert calibdb("check views.json --against same.json --json") == 0
     result = json.loads(capfd.readouterr().out)
     assert result["fits"]
     assert result["drift"] < 1e-3
     assert result["error"] == pytest.approx(result["expected"], rel=1e-6)
     assert result["views"] == 13
-    Path("camera.json").write_text(json.dumps(RECORD))
-    assert main(["check", "views.json", "--against", "camera.json"]) == 2, "another size"
+    assert calibdb("check views.json --against camera.json") == 2, "another size"

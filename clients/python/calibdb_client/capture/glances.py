@@ -27,9 +27,7 @@ MAX_GLANCES_S = 180.0
 
 
 def recording_to_check(camera: Any, **options: Unpack[CaptureOptions]) -> Recording:
-    """Return a recording as it is, or take one of three views of a camera, hands-free.
-
-    A view is taken whenever the board is still in another tilt than before.
+    """Return a recording as it is, or take one of three views of a camera, hands-free, in different tilts.
 
     Raises CameraError, CaptureError if it takes longer than three minutes, CaptureInterruptedError.
     """
@@ -54,15 +52,16 @@ def _take_glances(operation: Operation) -> Recording:
             corners = detector.find(frame.picture)
             still = still.observe(corners, frame.time, width, repeated=frame.repeated)
             outline = None if corners is None else outline_of(recording.board, corners.ids, corners.points)
-            another = outline is not None and all(
-                difference(outline, each) > MIN_DIFFERENCE for each in taken
-            )
-            words = "show the board to the camera" if outline is None else "tilt the board another way"
+            another, hold = False, 0.0
+            if outline is None:
+                words = "show the board to the camera"
+            elif all(difference(outline, each) > MIN_DIFFERENCE for each in taken):
+                words, another, hold = "hold the board still", True, min(1.0, still.held / HOLD_S)
+            else:
+                words = "tilt the board another way"
             status = Status(len(taken), len(taken) / CHECK_VIEWS)
-            hold = min(1.0, still.held / HOLD_S) if another else 0.0
             points = None if corners is None else corners.points
-            said = "hold the board still" if another else words
-            if feedback.show(Scene(frame.picture, points, None, said, hold, status)) == "stop":
+            if feedback.show(Scene(frame.picture, points, None, words, hold, status)) == "stop":
                 raise KeyboardInterrupt
             if another and corners is not None and outline is not None and still.held >= HOLD_S:
                 view = RecordedView.of(f"view {len(taken) + 1}", corners)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -10,12 +10,10 @@ import numpy as np
 
 from calibsolver.arrays import Array
 
-from ..calibration import Calibration
-from ..errors import CaptureError
+from ..calibration import Maker
 from ..flows import Flow
 from ..key import live_model
 from ..offline import calibrate_recording
-from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult, refusal, result_of, start, submit
 from ..wire import Request
@@ -23,33 +21,21 @@ from ..wire import Request
 if TYPE_CHECKING:
     from calibsolver.guidance import TargetPose
 
-Maker = Callable[[Mapping[str, Any]], Calibration]
 TARGET_ERROR_WIDTHS = 0.3 / 1280
 """Predicted error / image width at which a capture ends, as the service has it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A pose in which the board is wanted, as the camera would see it.
+    """Pose in which the board is wanted: corners (n, 2) px with their ids, and the board's edge (m, 2) px.
 
-    Attributes
-    ----------
-    index
-        Index for the view that answers it.
-    ids, corners
-        Corners in the picture (n), and their places (n, 2) px.
-    outline
-        (m, 2) px, edge of the board.
-    purpose, hint
-        Purpose of the view, and the next movement, as text.
+    `index` is that of the view that answers it.
     """
 
     index: int
     ids: tuple[int, ...]
     corners: Array
     outline: Array
-    purpose: str
-    hint: str
 
     @classmethod
     def of(cls, values: Mapping[str, Any], index: int) -> Target:
@@ -59,47 +45,22 @@ class Target:
             tuple(int(each) for each in values["ids"]),
             np.array(values["corners"], dtype=np.float64).reshape(-1, 2),
             np.array(values["outline"], dtype=np.float64).reshape(-1, 2),
-            str(values.get("purpose", "")),
-            str(values.get("hint", "")),
         )
 
 
 @dataclass(frozen=True)
 class Status:
-    """Course of a capture.
-
-    Attributes
-    ----------
-    views
-        Number of views that are in.
-    progress
-        0 to 1.
-    error
-        Predicted error over the image, px; None: there is no fit yet.
-    done
-        True if it has converged.
-    advice
-        Sentences about the whole capture.
-    """
+    """Course of a capture: views that are in, progress 0 to 1, and predicted error over the image, px."""
 
     views: int = 0
     progress: float = 0.0
     error: float | None = None
     done: bool = False
-    advice: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """Judgement of a view: whether it is in, else why not and what to do; and how far the capture is.
-
-    Attributes
-    ----------
-    accepted, reason, hint
-        True if it counts; otherwise the reason and the next movement are given.
-    status
-        Course of the capture with it.
-    """
+    """Judgement of a view, with the reason and the next movement if it is refused, and the course with it."""
 
     accepted: bool
     status: Status
@@ -120,11 +81,11 @@ class Guide(Protocol):
         """Judge a view."""
 
     def finish(self, recording: Recording) -> Flow[CaptureResult]:
-        """Return the calibration, of a capture that converged or was ended with views enough."""
+        """Return the calibration of a capture that converged or was ended with views enough."""
 
 
 class ServiceGuide:
-    """The service guides: a live session. `make` turns its record into a calibration."""
+    """A live session of the service. `make` turns its record into a calibration."""
 
     def __init__(self, recording: Recording, model: str, make: Maker, consent: Mapping[str, str]) -> None:
         self._recording, self._model, self._make, self._consent = recording, model, make, consent
@@ -166,18 +127,11 @@ class ServiceGuide:
             progress=float(state.get("progress") or 0.0),
             error=uncertainty.get("rms"),
             done=state.get("status") == "converged",
-            advice=tuple(str(each.get("text", "")) for each in state.get("advice", [])),
         )
 
 
 class OfflineGuide:
-    """calibsolver guides on this machine.
-
-    Parameters
-    ----------
-    recording, model
-        Camera and board, and the distortion model of the calibration.
-    """
+    """calibsolver on this machine; `model` is that of the calibration."""
 
     def __init__(self, recording: Recording, model: str) -> None:
         from calibsolver.capture import Capture, History
@@ -256,13 +210,4 @@ class OfflineGuide:
             progress=estimate.progress,
             error=estimate.uncertainty.rms if estimate.uncertainty else None,
             done=self._is_done,
-            advice=tuple(each.text for each in estimate.advice),
-        )
-
-
-def require_views(views: Sequence[RecordedView]) -> None:
-    """Raise CaptureError if these views are too few for a calibration."""
-    if len(views) < MIN_VIEWS:
-        raise CaptureError(
-            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` continues with them"
         )

@@ -3,8 +3,6 @@
 The rules and numbers are those of the capture page. A conversation: it yields the requests of its guide.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -21,9 +19,9 @@ from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Scene
-from .frames import Frame, Frames
-from .guide import Guide, Status, Target, require_views
+from .guide import Guide, Status, Target
 from .outline import TEXTS, advice, difference, foreshortening, outline_of, overlap
+from .source import Frame, Frames
 from .stillness import REFERENCE_WIDTH_PX, Stillness, motion
 
 HOLD_S, LONG_HOLD_S = 0.7, 1.5
@@ -50,24 +48,15 @@ MIN_APPROACH = 0.05
 LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
 """Time in which a steady hand would be still; later, so many times its motion also counts as still."""
 RECOGNITION_FRAMES = 5
-"""Frames in which an undescribed board is looked for."""
 MAX_RECOGNITION_FRAMES = 900
 
 
 @dataclass
-class Aim:
-    """The target of the moment, and how near the board came to it.
+class _Aim:
+    """Target of the moment, and how near the board came to it.
 
-    Attributes
-    ----------
-    target, outline
-        The target, and the board's edge (4, 2) px in it; None if it shows too little.
-    since
-        Seconds, when it was set.
-    nearest, nearest_at
-        Least distance from it so far, and when.
-    refused_at
-        Seconds, when a view at it was refused.
+    `outline` is the board's edge (4, 2) px in it, None if it shows too little. Times are seconds;
+    `refused_at` is that of a view at it.
     """
 
     target: Target
@@ -79,16 +68,9 @@ class Aim:
 
 
 class Live:
-    """One live capture.
+    """One live capture, of a `recording` with the views of an earlier one to continue.
 
-    Parameters
-    ----------
-    frames, recording
-        The source; camera and board, and the views of an earlier capture to continue.
-    guide, feedback
-        The guide, and the feedback to the user.
-    keep
-        Called with the recording after each view, before anything else happens.
+    `keep` is called with the recording after each view, before anything else happens.
     """
 
     def __init__(
@@ -104,7 +86,7 @@ class Live:
         self._detector = Detector(recording.board)
         self._width = recording.key.img_size[0]
         self._status = Status()
-        self._aim: Aim | None = None
+        self._aim: _Aim | None = None
         self._still = Stillness()
         self._judged: Corners | None = None
         self._taken_at: float | None = None
@@ -116,9 +98,7 @@ class Live:
         yield from self._replay()
         while not self._status.done:
             frame = self._frames.next()
-            if frame is None:
-                break
-            if self._is_idle(frame.time):
+            if frame is None or self._is_idle(frame.time):
                 break
             if self._aim is None:
                 yield from self._set_target(frame.time)
@@ -130,7 +110,11 @@ class Live:
                 yield from self._set_target(frame.time, skip=True)
             elif corners is not None and self._is_due(corners):
                 yield from self._judge(corners, frame.time)
-        require_views(self.recording.views)
+        count = len(self.recording.views)
+        if count < MIN_VIEWS:
+            raise CaptureError(
+                f"{count} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` continues with them"
+            )
         return (yield from self._guide.finish(self.recording))
 
     def _replay(self) -> Flow[None]:
@@ -145,13 +129,16 @@ class Live:
     def _set_target(self, time: float, skip: bool = False) -> Flow[None]:
         target = yield from self._guide.target(skip)
         edge = outline_of(self.recording.board, target.ids, target.corners)
-        self._aim = Aim(target, edge, time, nearest_at=time)
+        self._aim = _Aim(target, edge, time, nearest_at=time)
         self._still = Stillness()
+
+    def _current_aim(self) -> _Aim:
+        assert self._aim is not None  # noqa: S101 - set before each frame
+        return self._aim
 
     def _observe(self, frame: Frame, corners: Corners | None) -> str:
         """Update the hold and the distance from the target, and show the frame."""
-        aim = self._aim
-        assert aim is not None  # noqa: S101 - set before
+        aim = self._current_aim()
         elapsed = frame.time - aim.since
         tolerance = float(np.interp(elapsed, (0.0, TOLERANT_AFTER_S), TOLERANCES))
         lenience = min(MAX_LENIENCE, max(1.0, elapsed / LENIENT_AFTER_S))
@@ -200,8 +187,7 @@ class Live:
         return enough and time - self._taken_at > IDLE_S
 
     def _is_stuck(self, time: float) -> bool:
-        aim = self._aim
-        assert aim is not None  # noqa: S101
+        aim = self._current_aim()
         if aim.refused_at is not None:
             return time - aim.refused_at > READ_REFUSAL_S
         if self._still.anchor is None:  # while no board is in sight, another pose would not help
@@ -209,9 +195,7 @@ class Live:
         return time - aim.nearest_at > STUCK_S or time - aim.since > MAX_TARGET_S
 
     def _judge(self, corners: Corners, time: float) -> Flow[None]:
-        """Keep the view, and have it judged."""
-        aim = self._aim
-        assert aim is not None  # noqa: S101
+        aim = self._current_aim()
         view = RecordedView.of(f"view {len(self.recording.views) + 1}", corners)
         before = self.recording
         self.recording = replace(before, views=(*before.views, view))
@@ -233,26 +217,21 @@ class Live:
 
 
 def first_board(frames: Frames, feedback: Feedback) -> Board:
-    """Return the undescribed board that the first frames show.
-
-    Raises CaptureError if none is recognised in `MAX_RECOGNITION_FRAMES`.
-    """
+    """Return the undescribed board that the first frames show; CaptureError if none is recognised."""
     feedback.note("show the board to the camera: it will be recognised")
     observations: list[Any] = []
     for _ in range(MAX_RECOGNITION_FRAMES):
         frame = frames.next()
-        if frame is None:
-            break
-        observations.append(frame.picture)
-        if len(observations) == RECOGNITION_FRAMES:
+        if frame is not None:
+            observations.append(frame.picture)
+        if frame is None or len(observations) == RECOGNITION_FRAMES:
             board = recognise(observations)
             if board is not None:
                 feedback.note(f"board: {board}")
                 return board
             observations = []
-    board = recognise(observations)
-    if board is None:
-        raise CaptureError(
-            "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"
-        )
-    return board
+        if frame is None:
+            break
+    raise CaptureError(
+        "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"
+    )

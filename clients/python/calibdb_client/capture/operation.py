@@ -1,25 +1,25 @@
-"""A whole live capture: source, board, guide and feedback together, and what is left if it ends early."""
+"""A whole live capture: source, board, guide and feedback together."""
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from ..board import Board
+from ..calibration import Maker
+from ..devices import platform_of
 from ..errors import CalibDBError, UsageError
 from ..flows import Flow
 from ..key import UNNAMED, CameraKey
 from ..recording import Recording
 from ..session import CaptureResult
-from .feedback import Feedback, Silent
-from .frames import Frames
-from .guide import Guide, Maker, OfflineGuide, ServiceGuide
+from .feedback import Feedback, Terminal, Window, has_window
+from .guide import Guide, OfflineGuide, ServiceGuide
 from .live import Live, first_board
-from .source import NamedSource, open_source
-from .terminal import Terminal
-from .window import Window, has_window
+from .source import Frames, NamedSource, open_source
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -38,13 +38,13 @@ class CaptureOptions(TypedDict, total=False):
     size
         Width and height that its pictures must have, px.
     board
-        The board; recognised unless given.
+        Recognised by default.
     show
         ``window``, ``text``, ``none``, ``auto`` (a window where there is one, else text), or a `Feedback`.
     resume
         Recording of an earlier capture of this camera, to continue.
     clock
-        Seconds, by which the board's stillness is timed; of a file it is the file's own.
+        Seconds, by which the board's stillness is timed; a file has its own.
     """
 
     label: str | None
@@ -67,17 +67,8 @@ class CaptureInterruptedError(KeyboardInterrupt):
 
 @dataclass(frozen=True, eq=False)
 class Operation:
-    """A capture that is about to begin.
+    """A capture that is about to begin, of a recording with the views of an earlier one to continue."""
 
-    Attributes
-    ----------
-    source, frames, feedback
-        The source, its frames, and the feedback to the user.
-    recording
-        Camera and board, and the views of an earlier capture to continue.
-    """
-
-    source: NamedSource
     frames: Frames
     feedback: Feedback
     recording: Recording
@@ -95,7 +86,7 @@ class Operation:
     def close(self) -> None:
         """Close the window, and the camera if it was opened here."""
         self.feedback.close()
-        self.source.close()
+        self.frames.source.close()
 
     def _run(self, guide: Callable[[], Guide], keep: Keep) -> Flow[CaptureResult]:
         live: Live | None = None
@@ -112,62 +103,55 @@ class Operation:
 
 
 def prepare(camera: Any, named: bool = True, **options: Unpack[CaptureOptions]) -> Operation:
-    """Open the source and find out what it shows.
+    """Open the source, as `open_source` does, and find out what it shows.
 
-    Parameters
-    ----------
-    camera
-        As in `open_source`.
-    named
-        True if the camera must have a label: without one its calibration cannot be looked up.
+    `named`: the camera must have a label, without which its calibration cannot be looked up.
 
     Raises CameraError, CaptureError, MissingPackageError or UsageError.
     """
     size, resume = options.get("size"), options.get("resume")
     if resume is not None:
         size = size or resume.key.img_size
-    feedback = feedback_of(options.get("show", "auto"))
+    feedback = _feedback(options.get("show", "auto"))
     source = open_source(camera, size)
     try:
-        frames = Frames(source.source, source.name, options.get("clock", time.monotonic))
+        frames = Frames(source, options.get("clock", time.monotonic))
         delivered = frames.size
         if size is not None and delivered != tuple(size):
             raise UsageError(
                 f"{source.name} delivers {delivered[0]}x{delivered[1]} and not {size[0]}x{size[1]}: "
                 "set it to that size"
             )
-        if resume is not None:
-            return Operation(source, frames, feedback, replace(resume, live=True))
-        name = options.get("label") or source.label
-        if name is None and named:
-            raise UsageError(f"which camera is {source.name}? Say its label, as a browser gives it")
-        key = _key(source, name or UNNAMED, options.get("platform"), delivered, options.get("zoom"))
-        chosen = options.get("board") or first_board(frames, feedback)
-        return Operation(source, frames, feedback, Recording(key, chosen, (), live=True))
+        if resume is None:
+            key = _key(source, delivered, named, options)
+            resume = Recording(key, options.get("board") or first_board(frames, feedback), ())
+        return Operation(frames, feedback, replace(resume, live=True))
     except BaseException:
         feedback.close()
         source.close()
         raise
 
 
-def feedback_of(show: Show) -> Feedback:
-    """Return the feedback that an argument `show` means."""
+def _feedback(show: Show) -> Feedback:
     if not isinstance(show, str):
         return show
     if show == "none":
-        return Silent()
+        return Terminal(io.StringIO())
     if show not in ("auto", "window", "text"):
         raise UsageError(f"a capture is shown by auto, window, text or none, not {show!r}")
-    window = show == "window" or (show == "auto" and has_window())
-    if window and not has_window():
-        raise UsageError("there is no window here: say text, or install opencv-python and set DISPLAY")
-    return Window(Terminal()) if window else Terminal()
+    if show == "text" or not has_window():
+        if show == "window":
+            raise UsageError("there is no window here: say text, or install opencv-python and set DISPLAY")
+        return Terminal()
+    return Window()
 
 
-def _key(
-    source: NamedSource, label: str, platform: str | None, size: tuple[int, int], zoom: float | None
-) -> CameraKey:
-    from ..devices import platform_of
-
-    value = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
-    return CameraKey(label, platform or source.platform or platform_of(), size, value)
+def _key(source: NamedSource, size: tuple[int, int], named: bool, options: CaptureOptions) -> CameraKey:
+    label = options.get("label") or source.label
+    if label is None and named:
+        raise UsageError(f"which camera is {source.name}? Say its label, as a browser gives it")
+    zoom = options.get("zoom")
+    if zoom is None:
+        zoom = float(getattr(source.source, "zoom", 0.0) or 0.0)
+    platform = options.get("platform") or source.platform or platform_of()
+    return CameraKey(label or UNNAMED, platform, size, zoom)

@@ -1,7 +1,5 @@
 """Outlines of boards, quadrilaterals (4, 2) px, clockwise from the first corner, and their targets."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

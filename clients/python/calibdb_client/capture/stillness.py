@@ -20,16 +20,9 @@ REFERENCE_WIDTH_PX = 1280.0
 
 @dataclass(frozen=True, eq=False)
 class Stillness:
-    """A hold of the board.
+    """Hold of the board: corners and seconds where it began, and of the last frame that counted.
 
-    Attributes
-    ----------
-    anchor, last
-        Corners where it began, and in the last frame that counted.
-    since, seen
-        Seconds: its beginning, and the last frame in it.
-    frames
-        Frames in it, the first not counted, and those that repeat the one before neither.
+    `frames` counts neither the first frame nor repeated ones.
     """
 
     anchor: Corners | None = None

@@ -1,8 +1,6 @@
-"""A recorded video: which of its frames become views."""
+"""Views of a recorded video."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +9,7 @@ from ..detection import Corners, Detector, recognise
 from ..detection.recognition import MAX_LOOKED_AT
 from ..errors import CaptureError
 from ..pictures import FoundViews
-from ..recording import RecordedView
+from ..recording import Progress, RecordedView
 from .source import open_source
 from .stillness import REFERENCE_WIDTH_PX, motion
 
@@ -23,6 +21,7 @@ MIN_APART_PX = 30.0
 SLOW_FRAMES_PER_S = 8.0
 """Frames of a second in which a chessboard is looked for: it takes longer to find than markers."""
 _POSITION, _FRAMES_PER_S, _COUNT = 1, 5, 7  # of cv2.VideoCapture
+NO_IMAGE = "{} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
 Seen = tuple[int, tuple[int, int], Corners]
 """Number of a frame, its size (w, h) px, and the corners in it."""
 
@@ -31,13 +30,13 @@ def read_video(
     path: str | Path,
     board: Board | None,
     board_views: FoundViews,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     mirrored: bool = False,
 ) -> Board:
     """Find the board in a video; add the views in which it moves least, at many places, to `board_views`.
 
-    Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
-    UsageError if the file is not a video, CaptureError if no board is recognised.
+    Returns the board, which is recognised by default. A `mirrored` video is turned back. Raises UsageError if
+    the file is not a video, CaptureError if no board is recognised.
     """
     chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)
@@ -78,21 +77,15 @@ def _pictures(
             if not there or picture is None:
                 continue
             looked_at += 1
-            yield number, count, _turned(picture, mirrored)
+            yield number, count, opencv().flip(picture, 1) if mirrored else picture
         if number < 0:
-            raise CaptureError(
-                f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
-            )
+            raise CaptureError(NO_IMAGE.format(path))
         if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
             board_views.broken = (
                 f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
             )
     finally:
         opened.close()
-
-
-def _turned(picture: Any, mirrored: bool) -> Any:
-    return opencv().flip(picture, 1) if mirrored else picture
 
 
 def _choose(seen: list[Seen], step: int) -> list[Seen]:
@@ -128,10 +121,10 @@ def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
         opened.close()
     board = recognise(pictures, mirrored)
     if board is None:
+        if not pictures:
+            raise CaptureError(NO_IMAGE.format(path))
         raise CaptureError(
             f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "
             "--dictionary"
-            if pictures
-            else f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
         )
     return board

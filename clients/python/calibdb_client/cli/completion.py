@@ -1,11 +1,10 @@
-"""The command `completion`: a script with which a shell completes commands and options."""
-
-from __future__ import annotations
+"""The command `completion`."""
 
 import argparse
 from collections.abc import Iterator
 from typing import Any
 
+from . import options
 from .output import Output
 
 SHELLS = ("bash", "zsh", "fish")
@@ -27,18 +26,19 @@ complete -o default -F _calibdb calibdb
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser: argparse.ArgumentParser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "completion",
-        help="print a script that completes commands and options in a shell",
-        description="Print a script that completes commands and options. bash, in ~/.bashrc: "
+        run,
+        "print a script that completes commands and options in a shell",
+        "Print a script that completes commands and options. bash, in ~/.bashrc: "
         'eval "$(calibdb completion bash)". zsh, in ~/.zshrc after compinit: the same with zsh. '
         "fish: calibdb completion fish > ~/.config/fish/completions/calibdb.fish",
     )
     parser.add_argument("shell", choices=SHELLS)
-    parser.set_defaults(run=run)
 
 
-def run(chosen: argparse.Namespace, output: Output) -> int:  # noqa: ARG001
+def run(chosen: argparse.Namespace, _: Output) -> int:
     """Print the script."""
     from .program import parser
 
@@ -59,10 +59,7 @@ def script(shell: str, program: argparse.ArgumentParser) -> str:
 
 
 def _fish(program: argparse.ArgumentParser) -> Iterator[str]:
-    """Lines of fish's script."""
-    helps = {
-        each.dest: each.help or "" for action in _subparsers(program) for each in action._choices_actions
-    }
+    helps = {each.dest: each.help or "" for each in _subparsers(program)._choices_actions}
     for name, parser in commands_of(program).items():
         yield f"complete -c calibdb -n __fish_use_subcommand -f -a {name} -d {_quoted(helps[name])}"
         for action in _options(parser):
@@ -82,15 +79,15 @@ def options_of(parser: argparse.ArgumentParser) -> list[str]:
 
 def commands_of(program: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
     """Return the parser of every command, by its name."""
-    return {name: parser for action in _subparsers(program) for name, parser in action.choices.items()}
+    return dict(_subparsers(program).choices)
 
 
-def _subparsers(program: argparse.ArgumentParser) -> list[Any]:
-    return [each for each in program._actions if isinstance(each, argparse._SubParsersAction)]
+def _subparsers(program: argparse.ArgumentParser) -> Any:
+    return next(each for each in program._actions if isinstance(each, argparse._SubParsersAction))
 
 
 def _options(parser: argparse.ArgumentParser) -> list[argparse.Action]:
-    return [each for each in parser._actions if each.option_strings and each.help != argparse.SUPPRESS]
+    return [each for each in parser._actions if each.option_strings]
 
 
 def _quoted(text: str) -> str:

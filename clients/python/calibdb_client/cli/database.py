@@ -1,9 +1,10 @@
-"""The command `cameras`: cameras of this machine, or of the database."""
+"""The command `cameras`."""
 
 from __future__ import annotations
 
-import argparse
+from argparse import Namespace
 from collections import Counter
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..errors import CalibDBError, UsageError
@@ -20,10 +21,12 @@ _DEFAULT_SIZE = (1280, 720)
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser: argparse.ArgumentParser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "cameras",
-        help="list the cameras of this machine, or search the database",
-        description="List the cameras of this machine and whether the database knows them; or, with words, "
+        run,
+        "list the cameras of this machine, or search the database",
+        "List the cameras of this machine and whether the database knows them; or, with words, "
         "search the database.",
     )
     parser.add_argument("words", nargs="*", help="beginnings of words of names in the database")
@@ -31,23 +34,23 @@ def add(commands: Any) -> None:
         "--size", type=options.size, default=_DEFAULT_SIZE, metavar="WxH", help="size to look up"
     )
     options.add_service(parser)
-    parser.set_defaults(run=run)
 
 
-def run(chosen: argparse.Namespace, output: Output) -> int:
+def run(chosen: Namespace, output: Output) -> int:
     """List cameras."""
     return _search(chosen, output) if chosen.words else _list(chosen, output)
 
 
-def _search(chosen: argparse.Namespace, output: Output) -> int:
+def _search(chosen: Namespace, output: Output) -> int:
+    words = " ".join(chosen.words)
     with options.client(chosen) as client:
-        cameras = client.cameras(" ".join(chosen.words))
+        cameras = client.cameras(words)
     if output.json:
         output.document({"cameras": cameras})
     else:
         output.facts([(str(each["key"]), f"{each['camera']}: {_sizes(each)}") for each in cameras])
         if not cameras:
-            output.note(f"the database shows no camera called {' '.join(chosen.words)!r}")
+            output.note(f"the database shows no camera called {words!r}")
     return 0 if cameras else 1
 
 
@@ -58,7 +61,7 @@ def _sizes(camera: Any) -> str:
     )
 
 
-def _list(chosen: argparse.Namespace, output: Output) -> int:
+def _list(chosen: Namespace, output: Output) -> int:
     from ..devices import devices
 
     cameras = devices()
@@ -71,38 +74,32 @@ def _list(chosen: argparse.Namespace, output: Output) -> int:
         with client:
             states = _lookup_outcomes(client, cameras, chosen.size)
     if output.json:
-        output.document(
+        records = [
             {
-                "cameras": [
-                    {
-                        "index": each.index,
-                        "camera": each.label,
-                        "platform": each.platform,
-                        "path": each.path,
-                        "known": states.get(each.label),
-                    }
-                    for each in cameras
-                ]
+                "index": each.index,
+                "camera": each.label,
+                "platform": each.platform,
+                "path": each.path,
+                "known": states.get(each.label),
             }
-        )
+            for each in cameras
+        ]
+        output.document({"cameras": records})
         return 0 if cameras else 1
     equal = Counter(each.label for each in cameras)
     for each in cameras:
-        said = states.get(each.label, "")
         twin = "one of several with this name: tell them apart by index" if equal[each.label] > 1 else ""
-        output.facts(
-            [(str(each.index), "  ".join(part for part in (each.label, each.path, said, twin) if part))]
-        )
+        parts = (each.label, each.path, states.get(each.label, ""), twin)
+        output.facts([(str(each.index), "  ".join(filter(None, parts)))])
     if not cameras:
         output.note("there is no camera here, or none that this user may open")
     return 0 if cameras else 1
 
 
-def _lookup_outcomes(client: Client, found: Any, size: tuple[int, int]) -> dict[str, str]:
-    """Return in a word what the database knows of each label: ``known``, or a lookup's reason."""
+def _lookup_outcomes(client: Client, cameras: Sequence[Device], size: tuple[int, int]) -> dict[str, str]:
+    """Return by label ``known``, or a lookup's reason."""
     outcomes: dict[str, str] = {}
-    each: Device
-    for each in found:
+    for each in cameras:
         if each.label in outcomes:
             continue
         try:

@@ -1,35 +1,36 @@
-"""The commands `export` and `convert`: a calibration as another tool's file."""
+"""The commands `export` and `convert`."""
 
-from __future__ import annotations
-
-import argparse
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..files import UNCHANGED, PictureChange
 from ..key import MODELS
-from ..picture_change import UNCHANGED, PictureChange
 from . import options
 from .output import Output
 
 
 def add(commands: Any) -> None:
     """Add the commands to the parser."""
-    parser: argparse.ArgumentParser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "export",
-        help="write a calibration, or a rig, as another tool's file",
-        description="Write a calibration as another tool's file: a file that calibdb wrote, without the "
+        run,
+        "write a calibration, or a rig, as another tool's file",
+        "Write a calibration as another tool's file: a file that calibdb wrote, without the "
         "service, or one that the service holds.",
     )
     parser.add_argument("source", metavar="FILE|ID", help="a file, or an id at the service")
     options.add_file(parser)
     _add_change(parser)
     options.add_service(parser)
-    parser.set_defaults(run=run)
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "convert",
-        help="convert another tool's calibration file",
-        description="Convert the calibration file of one tool to that of another, without the service.",
+        run_convert,
+        "convert another tool's calibration file",
+        "Convert the calibration file of one tool to that of another, without the service.",
     )
     parser.add_argument("source", metavar="FILE", help="calibration file of any tool in docs/formats.md")
     options.add_file(parser)
@@ -41,10 +42,9 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--model", choices=MODELS, help="model of four coefficients without a name")
     _add_change(parser)
-    parser.set_defaults(run=run_convert)
 
 
-def _add_change(parser: argparse.ArgumentParser) -> None:
+def _add_change(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("another picture of the camera, in this order")
     group.add_argument("--crop", type=_numbers, metavar="L,T,W,H", help="part that is cut out, px")
     group.add_argument("--resize", type=options.size, metavar="WxH", help="size to which it is scaled")
@@ -52,33 +52,39 @@ def _add_change(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--mirror", action="store_true", help="swap left and right")
 
 
-def _change(chosen: argparse.Namespace) -> PictureChange:
+def _numbers(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise ArgumentTypeError("four whole numbers with commas: left,top,width,height") from None
+
+
+def _change(chosen: Namespace) -> PictureChange:
     return PictureChange(chosen.crop, chosen.resize, chosen.rotate, chosen.mirror)
 
 
-def run(chosen: argparse.Namespace, output: Output) -> int:
+def run(chosen: Namespace, output: Output) -> int:
     """Read the file, or fetch it, and write it."""
-    path, change = Path(chosen.source), _change(chosen)
-    if path.is_file():
-        from ..calibration import Calibration
-        from ..rig import Rig, is_rig
+    from ..calibration import Calibration
+    from ..rig import Rig, is_rig
 
-        if is_rig(path):
-            if change != UNCHANGED:
-                raise UsageError("the pictures of a rig cannot be changed: export its cameras one by one")
-            output.file(Rig.load(path).export(options.chosen_format(chosen, rig=True)), chosen.output)
-        else:
-            output.file(Calibration.load(path).export(options.chosen_format(chosen), change), chosen.output)
-        return 0
-    options.require_id(chosen.source)
-    form = options.chosen_format(chosen)
-    with options.client(chosen) as client:
-        file = client.export(chosen.source, form, **vars(change))
+    path, change = Path(chosen.source), _change(chosen)
+    if not path.is_file():
+        options.require_id(chosen.source)
+        form = options.chosen_format(chosen)
+        with options.client(chosen) as client:
+            file = client.export(chosen.source, form, **vars(change))
+    elif not is_rig(path):
+        file = Calibration.load(path).export(options.chosen_format(chosen), change)
+    elif change == UNCHANGED:
+        file = Rig.load(path).export(options.chosen_format(chosen, rig=True))
+    else:
+        raise UsageError("the pictures of a rig cannot be changed: export its cameras one by one")
     output.file(file, chosen.output)
     return 0
 
 
-def run_convert(chosen: argparse.Namespace, output: Output) -> int:
+def run_convert(chosen: Namespace, output: Output) -> int:
     """Read another tool's file, and write it in another format."""
     from calibsolver.formats.base import ReaderOptions
 
@@ -94,10 +100,3 @@ def run_convert(chosen: argparse.Namespace, output: Output) -> int:
         output.note(f"{chosen.source}: {approximation}")
     output.file(conversion.write(record, form, None, _change(chosen)), chosen.output)
     return 0
-
-
-def _numbers(text: str) -> tuple[int, ...]:
-    try:
-        return tuple(int(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError("four whole numbers with commas: left,top,width,height") from None

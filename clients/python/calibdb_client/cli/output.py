@@ -1,40 +1,33 @@
 """Output of the command: results on standard output, everything else on standard error."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..files import ExportedFile, write_whole
+from ..recording import Progress
 
 LINES_EVERY_S = 5.0
 """Time between two lines of progress without a terminal."""
 
 
 class Output:
-    """Standard output and standard error.
-
-    Parameters
-    ----------
-    json
-        True if standard output is one JSON document.
-    """
+    """Standard output, one JSON document if `json`, and standard error."""
 
     def __init__(self, json: bool = False) -> None:
         self.json = json
 
     def problem(self, text: str) -> None:
         """Write an error in one line."""
-        print(f"calibdb: {one_line(text)}", file=sys.stderr)
+        print(f"calibdb: {_one_line(text)}", file=sys.stderr)
 
     def note(self, text: str) -> None:
         """Write something that is not the result."""
-        print(one_line(text), file=sys.stderr)
+        print(_one_line(text), file=sys.stderr)
 
     def document(self, value: object) -> None:
         """Write the JSON document."""
@@ -44,21 +37,18 @@ class Output:
         """Write names and values."""
         width = max((len(name) for name, _ in rows), default=0)
         for name, value in rows:
-            print(f"{name:<{width}}  {one_line(value)}")
+            print(f"{name:<{width}}  {_one_line(value)}")
 
     def table(self, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         """Write rows in columns: the first and the last flush left, numbers flush right."""
-        lines = [[one_line(cell) for cell in row] for row in (heads, *rows)]
+        lines = [[_one_line(cell) for cell in row] for row in (heads, *rows)]
         widths = [max(len(line[n]) for line in lines) for n in range(len(heads))]
-        for line in lines:
-            cells = [
-                f"{cell:<{width}}" if n in (0, len(heads) - 1) else f"{cell:>{width}}"
-                for n, (cell, width) in enumerate(zip(line, widths, strict=True))
-            ]
-            print("  ".join(cells).rstrip())
+        for first, *numbers, last in lines:
+            cells = [cell.rjust(width) for cell, width in zip(numbers, widths[1:], strict=False)]
+            print("  ".join([first.ljust(widths[0]), *cells, last]).rstrip())
 
     def file(self, file: ExportedFile, path: str | None) -> None:
-        """Write a file where it is wanted: to a path, or to standard output."""
+        """Write a file to a path, or to standard output."""
         if file.warning:
             self.note(file.warning)
         if path is None or path == "-":
@@ -70,7 +60,7 @@ class Output:
         self.note(f"wrote {path}")
 
 
-def one_line(text: str) -> str:
+def _one_line(text: str) -> str:
     """Return text without control characters: labels and responses are not trusted."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
@@ -90,14 +80,10 @@ def calibration_facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
     if "avg_reprojection_error" in record:
         rows.append(("rms", f"{record['avg_reprojection_error']:.3f} px"))
     if uncertainty := record.get("uncertainty"):
-        rows.append(
-            (
-                "uncertainty",
-                f"{uncertainty['rms']:.2f} px over {_covered(record)}, {uncertainty['max']:.2f} px at most",
-            )
-        )
+        rms, most = uncertainty["rms"], uncertainty["max"]
+        rows.append(("uncertainty", f"{rms:.2f} px over {_covered(record)}, {most:.2f} px at most"))
         mm = 1000 / (fx * fy) ** 0.5  # of a pixel, at 1 m
-        rows.append(("at 1 m", f"{mm * uncertainty['rms']:.2f} mm"))
+        rows.append(("at 1 m", f"{mm * rms:.2f} mm"))
         if (inside := uncertainty.get("inside")) is not None:
             where = f"where the board was, {uncertainty['covered']:.0%} of the image"
             rows.append(("inside", f"{inside:.2f} px, {mm * inside:.2f} mm at 1 m: {where}"))
@@ -137,7 +123,7 @@ def _covered(record: Mapping[str, Any]) -> str:
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+def progress(what: str) -> Iterator[Progress]:
     """Show how many of how many are done, as long as the block lasts."""
     if not sys.stderr.isatty():
         yield _lines(what)
@@ -151,7 +137,7 @@ def progress(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, count: shown.update(task, completed=done, total=count)
 
 
-def _lines(what: str) -> Callable[[int, int], None]:
+def _lines(what: str) -> Progress:
     written = time.monotonic()
 
     def advance(done: int, count: int) -> None:

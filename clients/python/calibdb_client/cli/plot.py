@@ -1,31 +1,31 @@
-"""The command `plot`: a report of a calibration with its corners."""
+"""The command `plot`."""
 
-from __future__ import annotations
-
-import argparse
+from argparse import Namespace
 from typing import Any
 
+from ..board import opencv
 from ..errors import UsageError
-from .board import add_square
+from . import options
 from .output import Output
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser: argparse.ArgumentParser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "plot",
-        help="draw a report of a calibration",
-        description="Draw a report of a calibration that `calibdb calibrate` wrote: residuals, corners, "
+        run,
+        "draw a report of a calibration",
+        "Draw a report of a calibration that `calibdb calibrate` wrote: residuals, corners, "
         "uncertainty, poses of the board, before and after. As HTML without scripts, PNG or PDF.",
     )
     parser.add_argument("file", help="file that `calibdb calibrate` wrote")
     parser.add_argument("-o", "--output", metavar="FILE", default="report.html", help=".html, .png or .pdf")
     parser.add_argument("--picture", metavar="FILE", help="a picture of the camera, shown before and after")
-    add_square(parser)
-    parser.set_defaults(run=run)
+    options.add_square(parser)
 
 
-def run(chosen: argparse.Namespace, output: Output) -> int:
+def run(chosen: Namespace, output: Output) -> int:
     """Load the calibration and write the report."""
     from ..calibration import Calibration
     from ..report import write_report
@@ -39,8 +39,6 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
 def _picture(path: str | None, size: tuple[int, int]) -> Any:
     if path is None:
         return None
-    from ..board import opencv
-
     cv2 = opencv()
     picture = cv2.imread(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
     if picture is None:

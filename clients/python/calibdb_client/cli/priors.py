@@ -1,35 +1,33 @@
-"""The command `priors`: cameras of a folder of photographs, for programs that reconstruct from them."""
+"""The command `priors`."""
 
-from __future__ import annotations
-
-import argparse
+from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
 from .. import priors
 from ..files import ExportedFile
-from ..key import DEFAULT_MODEL, MODELS
 from . import options
 from .output import Output
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser: argparse.ArgumentParser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "priors",
-        help="cameras of a folder of photographs, for COLMAP and others",
-        description="Look up the cameras of a folder of photographs by their EXIF data, and write them for a "
+        run,
+        "cameras of a folder of photographs, for COLMAP and others",
+        "Look up the cameras of a folder of photographs by their EXIF data, and write them for a "
         "program that reconstructs from them: calibrated, or else estimated.",
     )
     parser.add_argument("folder", type=Path, help="folder of photographs")
     parser.add_argument("--format", choices=priors.WRITERS, default="colmap", help="program (colmap)")
-    parser.add_argument("--model", choices=MODELS, default=DEFAULT_MODEL, help="distortion model")
+    options.add_lookup_model(parser)
     parser.add_argument("-o", "--output", metavar="FILE", help="write the file there")
     options.add_service(parser)
-    parser.set_defaults(run=run)
 
 
-def run(chosen: argparse.Namespace, output: Output) -> int:
+def run(chosen: Namespace, output: Output) -> int:
     """Look the cameras up, and write them."""
     photographs = priors.photographs(chosen.folder)
     with options.client(chosen) as client:

@@ -1,12 +1,10 @@
-"""The program: arguments, commands, exit status. One sentence says what went wrong, and what to do."""
-
-from __future__ import annotations
+"""The program: arguments, commands, exit status."""
 
 import argparse
 import difflib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from .. import __version__
 from ..errors import CalibDBError
@@ -40,11 +38,6 @@ exit status:
 CALIBDB_URL and CALIBDB_TOKEN stand for --url and --token."""
 _INTERRUPTED = 130
 
-_COMMANDS = (
-    *(lookup.add, priors.add, calibrate.add, rig.add, live.add, calibrate.add_submit, check.add, plot.add),
-    *(undistort.add, database.add, export.add, board.add, completion.add),
-)
-
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
@@ -56,7 +49,19 @@ def parser() -> argparse.ArgumentParser:
     )
     program.add_argument("--version", action="version", version=f"calibdb {__version__}")
     commands = program.add_subparsers(dest="command", metavar="COMMAND")
-    for add in _COMMANDS:
+    for add in (
+        *(
+            lookup.add,
+            priors.add,
+            calibrate.add,
+            rig.add,
+            live.add,
+            calibrate.add_submit,
+            check.add,
+            plot.add,
+        ),
+        *(undistort.add, database.add, export.add, board.add, completion.add),
+    ):
         add(commands)
     return program
 
@@ -68,13 +73,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not words:
         program.print_help()
         return 0
-    names = list(completion.commands_of(program))
-    if words[0] not in names and (near := _near(words[0], names)):
+    commands = completion.commands_of(program)
+    if words[0] not in commands and (near := _near(words[0], commands)):
         print(f"calibdb: there is no command {words[0]!r}. Did you mean {near!r}?", file=sys.stderr)
         return 2
     chosen, unknown = program.parse_known_args(words)
     if unknown:
-        command = completion.commands_of(program).get(chosen.command or "", program)
+        command = commands.get(chosen.command or "", program)
         near = _near(unknown[0].partition("=")[0], completion.options_of(command))
         hint = f". Did you mean {near}?" if near else ""
         program.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
@@ -95,7 +100,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _near(word: str, names: Sequence[str]) -> str | None:
-    """Return the name that a word nearly is; None if it is like none."""
-    near = difflib.get_close_matches(word, names, 1, 0.6)
+def _near(word: str, names: Iterable[str]) -> str | None:
+    near = difflib.get_close_matches(word, list(names), 1, 0.6)
     return near[0] if near else None

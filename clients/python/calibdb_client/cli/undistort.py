@@ -1,8 +1,6 @@
-"""The command `undistort`: straightened pictures and videos."""
+"""The command `undistort`."""
 
-from __future__ import annotations
-
-import argparse
+from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +16,12 @@ DEFAULT_FRAMES_PER_SECOND = 30.0
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser: argparse.ArgumentParser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "undistort",
-        help="straighten pictures or a video",
-        description="Straighten pictures, folders of pictures, or a video, by a calibration.",
+        run,
+        "straighten pictures or a video",
+        "Straighten pictures, folders of pictures, or a video, by a calibration.",
     )
     parser.add_argument("source", nargs="+", help="pictures, folders of pictures, or one video file")
     parser.add_argument(
@@ -35,10 +35,9 @@ def add(commands: Any) -> None:
         help="0: no black pixel; 1: every pixel of the picture is kept; default 0",
     )
     options.add_service(parser)
-    parser.set_defaults(run=run)
 
 
-def run(chosen: argparse.Namespace, output: Output) -> int:
+def run(chosen: Namespace, output: Output) -> int:
     """Read, straighten and write."""
     from ..capture.source import is_video
 
@@ -48,11 +47,10 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     tables = calibration.remap_tables(matrix)
     target = Path(chosen.output)
     if len(chosen.source) == 1 and is_video(chosen.source[0]):
-        count = _video(chosen.source[0], target, calibration, tables)
-        output.note(f"wrote {count} frames to {target}")
+        count, what = _video(chosen.source[0], target, calibration, tables), "frames"
     else:
-        count = _pictures(picture_paths(chosen.source), target, calibration, tables)
-        output.note(f"wrote {count} pictures to {target}")
+        count, what = _pictures(picture_paths(chosen.source), target, calibration, tables), "pictures"
+    output.note(f"wrote {count} {what} to {target}")
     if output.json:
         output.document({"camera_matrix": matrix.tolist(), "written": count})
     else:
@@ -71,8 +69,7 @@ def _pictures(paths: list[Path], target: Path, calibration: Calibration, tables:
             picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
             if picture is None:
                 raise UsageError(f"{path} cannot be read as a picture")
-            _check_size(str(path), picture.shape, calibration)
-            straight = cv2.remap(picture, *tables, cv2.INTER_LINEAR)
+            straight = _straightened(str(path), picture, calibration, tables)
             to = target / path.name if several else target
             if to.exists() and to.samefile(path):
                 raise UsageError(f"{path} would be replaced: give another -o")
@@ -96,8 +93,7 @@ def _video(source: str, target: Path, calibration: Calibration, tables: Any) -> 
             is_there, frame = reader.read()
             if not is_there:
                 break
-            _check_size(source, frame.shape, calibration)
-            writer.write(cv2.remap(frame, *tables, cv2.INTER_LINEAR))
+            writer.write(_straightened(source, frame, calibration, tables))
             count += 1
     finally:
         writer.release()
@@ -107,10 +103,9 @@ def _video(source: str, target: Path, calibration: Calibration, tables: Any) -> 
     return count
 
 
-def _check_size(name: str, shape: Any, calibration: Calibration) -> None:
-    h, w = shape[:2]
+def _straightened(name: str, picture: Any, calibration: Calibration, tables: Any) -> Any:
+    h, w = picture.shape[:2]
     if (w, h) != calibration.img_size:
-        raise UsageError(
-            f"{name} has {w} x {h} px, the calibration is of {calibration.img_size[0]} x "
-            f"{calibration.img_size[1]}"
-        )
+        width, height = calibration.img_size
+        raise UsageError(f"{name} has {w} x {h} px, the calibration is of {width} x {height}")
+    return opencv().remap(picture, *tables, opencv().INTER_LINEAR)

@@ -1,4 +1,4 @@
-"""Boards in pictures, by OpenCV: their corners, and which board it is. The pictures go nowhere."""
+"""Boards in pictures, by OpenCV. The pictures go nowhere."""
 
 from .corners import Corners
 from .detector import Detector

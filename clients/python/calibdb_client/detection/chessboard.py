@@ -1,7 +1,5 @@
 """Chessboards in pictures, by OpenCV's detectors one after the other, and the number of their corners."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any
@@ -13,7 +11,6 @@ from ..errors import CaptureError
 from .corners import STEPS
 
 MAX_COUNTED = 6
-"""Pictures in which the corners of a board are counted."""
 MAX_CANDIDATES = 4
 """Sizes of a board that are tried, those that most corners speak for."""
 MIN_AGREEMENT = 0.6
@@ -23,15 +20,9 @@ MIN_AGREEMENT = 0.6
 def find_corners(grey: Any, size: tuple[int, int], thorough: bool = True) -> Any | None:
     """Return the corners (rows, columns, 2) px of a chessboard in a picture (h, w); None if it is not seen.
 
-    The sector-based detector as it is, then on the normalised picture and exhaustively, then the classic one
-    (Duda & Frese, BMVC 2018; OpenCV's documentation): each finds boards that the others miss.
-
-    Parameters
-    ----------
-    grey, size
-        The picture, and the columns and rows of corners.
-    thorough
-        True if the slower detectors are tried.
+    By the sector-based detector; if `thorough` then on the normalised picture and exhaustively, and by the
+    classic one (Duda & Frese, BMVC 2018; OpenCV's documentation): each finds boards that the others miss.
+    `size`: columns and rows of corners.
     """
     cv2 = opencv()
     columns, rows = size

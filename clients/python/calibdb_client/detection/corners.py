@@ -1,7 +1,5 @@
 """Corners of a board in one picture, and their refinement to a fraction of a pixel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,15 +18,7 @@ STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Corners found in one picture.
-
-    Attributes
-    ----------
-    ids
-        (n,) numbers of the corners.
-    points
-        (n, 2) px.
-    """
+    """Corners found in one picture: ids (n,), and points (n, 2) px."""
 
     ids: tuple[int, ...]
     points: Array

@@ -1,7 +1,5 @@
 """Detector of one board: ChArUco, chessboard or AprilGrid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -27,12 +25,7 @@ Finder = Callable[[Any], tuple[Any, Any] | None]
 class Detector:
     """Finder of one board in pictures. Raises MissingPackageError without OpenCV.
 
-    Parameters
-    ----------
-    board
-        The board.
-    thorough
-        True if slower detectors look for a chessboard that the first does not find.
+    `thorough`: slower detectors look for a chessboard that the first does not find.
     """
 
     def __init__(self, board: Board, thorough: bool = False) -> None:
@@ -132,7 +125,7 @@ class Detector:
         lattice = find_corners(grey, (columns, rows), self._thorough)
         if lattice is None:
             return None
-        ordered = order_chessboard(grey, lattice)
+        ordered = _order_chessboard(grey, lattice)
         return np.arange(columns * rows), ordered.reshape(-1, 2)
 
 
@@ -141,7 +134,7 @@ def grey_of(picture: Any) -> Any:
     return picture if picture.ndim == 2 else opencv().cvtColor(picture, opencv().COLOR_BGR2GRAY)
 
 
-def order_chessboard(grey: Any, lattice: Any) -> Any:
+def _order_chessboard(grey: Any, lattice: Any) -> Any:
     """Return corners (rows, columns, 2) px as a board held upright has them.
 
     Not mirrored, with the first square black; of two such orders, the one that begins farther up and left.

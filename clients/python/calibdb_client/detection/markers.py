@@ -1,7 +1,5 @@
 """Markers of every dictionary in one picture: quadrilaterals, read once and looked up in all dictionaries."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,14 +27,9 @@ Key = tuple[str, bool, bool]
 
 @dataclass(frozen=True, eq=False)
 class Markers:
-    """Markers of one family in one picture.
+    """Markers of one family in one picture: ids (n,), each once, and corners (n, 4, 2) px, clockwise.
 
-    Attributes
-    ----------
-    ids
-        (n,), each once.
-    corners
-        (n, 4, 2) px, clockwise; of a mirrored picture as in the picture turned back.
+    Those of a mirrored picture are as in the picture turned back.
     """
 
     ids: Any
@@ -44,7 +37,7 @@ class Markers:
 
 
 def find_markers(grey: Any) -> dict[Key, Markers]:
-    """Find the markers of all families in a picture (h, w), by family, colour and mirroring."""
+    """Find the markers of all families in a picture (h, w)."""
     aruco = opencv().aruco
     detector = aruco.ArucoDetector(aruco.getPredefinedDictionary(aruco.DICT_4X4_50))
     by_key: dict[Key, dict[int, list[Array]]] = defaultdict(lambda: defaultdict(list))

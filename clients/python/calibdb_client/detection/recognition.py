@@ -5,8 +5,6 @@ one kind of board and one layout; their size in the lattice is the ratio to the 
 markers is a chessboard, whose corners OpenCV counts.
 """
 
-from __future__ import annotations
-
 import statistics
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,13 +17,12 @@ from calibsolver.arrays import Array
 
 from ..board import DICTIONARIES, Board, opencv
 from ..errors import MirroredError, UsageError
+from .aprilgrid import estimate_spacing
 from .chessboard import count_corners
 from .detector import grey_of
 from .markers import Key, Markers, find_markers
-from .spacing import estimate_spacing
 
 MAX_LOOKED_AT = 8
-"""Pictures in which one board is looked for."""
 MAX_SEARCHED = 3
 """Pictures of these, and families of markers, that are tried; more would say the same."""
 MAX_SIDE_PX = 1600
@@ -46,14 +43,9 @@ MAX_RATIO_OFFSET = 0.02
 
 @dataclass(frozen=True)
 class Layout:
-    """Layout of numbered markers on a board: how many columns, and which of its cells hold one.
+    """Layout of numbered markers on a board with `columns` of squares or tags.
 
-    Attributes
-    ----------
-    columns
-        Columns of squares or tags.
-    first
-        True if the first cell of a checkered layout has a marker; None: every cell has one, from the bottom.
+    `first`: the first cell of a checkered layout has a marker; None: every cell has one, from the bottom.
     """
 
     columns: int
@@ -91,18 +83,13 @@ def recognise(pictures: Iterable[Any], mirrored: bool = False) -> Board | None:
 
 
 def _with_markers(markers_of_images: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) -> Board | None:
-    """Return the board that the markers of most pictures fit."""
-    families = Counter(
-        {
-            key: sum(len(each[key].ids) for each in markers_of_images if key in each)
-            for key in set().union(*markers_of_images)
-        }
-    )
+    families: Counter[Key] = Counter()
+    for each in markers_of_images:
+        families.update({key: len(markers.ids) for key, markers in each.items()})
     for key, _ in families.most_common(MAX_SEARCHED):
-        matches = [
-            each[key] for each in markers_of_images if key in each and len(each[key].ids) >= MIN_MARKERS
-        ]
-        matches.sort(key=lambda each: -len(each.ids))
+        shown = [each[key] for each in markers_of_images if key in each]
+        matches = [markers for markers in shown if len(markers.ids) >= MIN_MARKERS]
+        matches.sort(key=lambda markers: -len(markers.ids))
         if matches and (layout := _layout(matches[:MAX_SEARCHED])):
             family, inverted, mirrored = key
             if mirrored:
@@ -169,14 +156,12 @@ def _board(
 
 
 def _sides(layout: Layout, markers: Markers) -> list[float]:
-    """Sides of the markers, pitches."""
     _, matrix = _fit(layout, markers)
     if matrix is None:
         return []
     corners = opencv().perspectiveTransform(markers.corners.reshape(1, -1, 2), matrix).reshape(-1, 4, 2)
-    return [
-        float(each) for each in np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).mean(axis=1)
-    ]
+    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    return [float(each) for each in lengths.mean(axis=1)]
 
 
 def _smallest(family: str, count: int) -> str:
@@ -187,7 +172,7 @@ def _smallest(family: str, count: int) -> str:
 
 
 def _chessboard(greys: Sequence[Any]) -> Board | None:
-    """Return the chessboard in most pictures, counted by OpenCV.
+    """Return the chessboard in most pictures.
 
     One that is white on black is the same board turned by half a turn, or gives the same intrinsics.
     """

@@ -1,26 +1,14 @@
 """One camera of this machine."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Device:
-    """A camera that is connected.
+    """A camera that is connected, under the label and platform that Chromium gives it.
 
-    Attributes
-    ----------
-    index
-        Number by which OpenCV opens it.
-    label
-        Label as Chromium gives it: the name, then the USB id in brackets where there is one.
-    platform
-        Platform as Chromium gives it.
-    path
-        Path or unique id in the system.
-    backend
-        OpenCV's number of the interface that counts it under `index`; 0: any.
+    OpenCV opens it by `index` at the interface `backend`, 0: any. `path` is its path or unique id in the
+    system.
     """
 
     index: int

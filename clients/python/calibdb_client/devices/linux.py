@@ -1,12 +1,9 @@
 """Cameras of Linux: Video4Linux devices, named as Chromium names them.
 
-Chromium takes the string of the USB interface (`device/interface` in sysfs); where there is none, the
-driver's card name, which is cut at 31 bytes. It adds idVendor and idProduct of the interface's USB
-device.
-Source: media/capture/video/linux/video_capture_device_factory_v4l2.cc of Chromium.
+Chromium takes the string of the USB interface (`device/interface` in sysfs), else the driver's card name,
+which is cut at 31 bytes. It adds idVendor and idProduct of the interface's USB device. Source:
+media/capture/video/linux/video_capture_device_factory_v4l2.cc of Chromium.
 """
-
-from __future__ import annotations
 
 import re
 import struct
@@ -28,15 +25,7 @@ _CAPTURE, _OUTPUT, _DEVICE_CAPS = 0x1, 0x2, 0x80000000
 
 @dataclass(frozen=True)
 class Capability:
-    """Answer to VIDIOC_QUERYCAP.
-
-    Attributes
-    ----------
-    card
-        The driver's name of the device.
-    capabilities, device_caps
-        Bits of the physical device, and of this node.
-    """
+    """Answer to VIDIOC_QUERYCAP: the driver's name, and the bits of the physical device and of this node."""
 
     card: str
     capabilities: int
@@ -49,7 +38,7 @@ class Capability:
         return bool(caps & _CAPTURE) and not caps & _OUTPUT
 
 
-def query_capability(path: Path) -> Capability | None:
+def _query_capability(path: Path) -> Capability | None:
     """Ask a device for its capability; None if it cannot be opened."""
     import fcntl  # Unix only
 
@@ -65,7 +54,7 @@ def query_capability(path: Path) -> Capability | None:
 
 def devices(
     sys_class: Path = Path("/sys/class/video4linux"),
-    query: Callable[[Path], Capability | None] = query_capability,
+    query: Callable[[Path], Capability | None] = _query_capability,
 ) -> Sequence[Device]:
     """List the cameras in the order of their numbers; a device that cannot be opened is named by sysfs."""
     cameras = []

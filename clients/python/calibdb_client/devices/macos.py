@@ -6,8 +6,6 @@ OpenCV counts the cameras in the order of their unique ids.
 Source: media/capture/video/mac/uvc_control_mac.mm of Chromium.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 from collections.abc import Sequence

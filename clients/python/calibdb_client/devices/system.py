@@ -1,6 +1,4 @@
-"""List of this system's cameras, and one of them by index, path or name."""
-
-from __future__ import annotations
+"""Cameras of this system."""
 
 import sys
 from collections.abc import Sequence
@@ -27,10 +25,7 @@ def platform_of(system: str = sys.platform) -> str:
 
 
 def find(wanted: str | int, among: Sequence[Device] | None = None) -> Device:
-    """Return the camera of an index, a path, or a part of its label.
-
-    Raises CameraError if there is none, or if several are called so; the text lists those that are there.
-    """
+    """Return the camera of an index, a path, or a part of its label. Raises CameraError if not one."""
     cameras = devices() if among is None else among
     text = str(wanted)
     if text.isdigit():

@@ -5,8 +5,6 @@ package cv2-enumerate-cameras counts the cameras as OpenCV does.
 Source: media/capture/video/win/video_capture_device_factory_win.cc of Chromium.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 
@@ -32,7 +30,7 @@ def devices() -> Sequence[Device]:
 
 
 def name_devices(listed: Iterable[tuple[int, str, str]]) -> Sequence[Device]:
-    """Name cameras of which index, friendly name and path are known."""
+    """Return the cameras of which index, friendly name and path are known."""
     cameras = []
     for index, name, path in listed:
         ids = _IDS.search(path)

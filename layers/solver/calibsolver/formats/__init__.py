@@ -1,4 +1,4 @@
-"""File formats of other tools, by name. A new one is a class in its own module and a line in the registry."""
+"""File formats of other tools, by name."""
 
 import re
 from dataclasses import replace
@@ -52,7 +52,6 @@ FORMAT_NAMES = tuple(FORMATS)
 MAX_CONVERSION_S = 2.5
 """Time for a conversion, where the time is limited: of a picture that people take it is a fifth of it."""
 MIN_SIDE_PX = 16
-"""Side of a picture that a file is written of."""
 
 __all__ = [
     "FORMATS",
@@ -69,9 +68,9 @@ __all__ = [
 
 
 def write(source: ExportSource, name: str, transform: transforms.Transform | None = None) -> ExportedFile:
-    """Write a calibration as the file called `name`, of the transformed picture where one is given.
+    """Write a calibration as the file called `name`, of the transformed picture if a transform is given.
 
-    Raises CalibrationError ``unknown_format``, or ``not_representable`` where the format cannot hold it.
+    Raises CalibrationError ``unknown_format``, or ``not_representable`` if the format cannot hold it.
     """
     form = FORMATS.get(name)
     if form is None:
@@ -122,7 +121,7 @@ def _convert(
 
 
 def transform_source(source: ExportSource, transform: transforms.Transform) -> ExportSource:
-    """Carry camera and measurements along.
+    """Transform camera and measurements.
 
     A mirrored board has its corners at the places of the board's own: the rightmost become the leftmost.
     """

@@ -13,7 +13,7 @@ from .members import Members
 
 
 def is_calibration(members: Members) -> bool:
-    """True if a mapping is such a calibration."""
+    """True if a mapping is a calibration."""
     return all(name in members for name in ("projection", "width", "height", "f"))
 
 
@@ -23,9 +23,9 @@ def is_sensor(members: Members) -> bool:
 
 
 def read_sensor(data: Mapping[Any, Any]) -> ImportedFile:
-    """Read a sensor of a parsed cameras.xml: its adjusted calibration; CalibrationError ``malformed``.
+    """Read the adjusted calibration of a sensor; CalibrationError ``malformed``.
 
-    In the document a calibration's type stands for its projection, and its size is that of the sensor.
+    In a document the type of a calibration stands for its projection, and its size is that of the sensor.
     """
     members = Members(data)
     calibrations = members.get("calibration")
@@ -45,23 +45,20 @@ def read_sensor(data: Mapping[Any, Any]) -> ImportedFile:
 def read(data: Mapping[Any, Any]) -> ImportedFile:
     """Read a parsed calibration; CalibrationError ``malformed``.
 
-    Source of the model: Agisoft Metashape user manual, appendix "Camera models". Pixels are counted from the
-    image's corner, so that half a pixel comes off.
+    Source: Agisoft Metashape user manual, appendix "Camera models". Pixels are counted from the image's
+    corner.
     """
     members = Members(data)
 
     def value(name: str) -> float:
-        return float(text.floats(members.get(name) if name in members else 0.0, name, 1, 1)[0])
+        return text.scalar(members.get(name) if name in members else 0.0, name)
 
     kind = str(members.get("projection")).lower()
     if kind not in ("frame", "fisheye"):
         raise text.refuse(f"the projection {kind[:40]!r} is not supported, frame and fisheye are")
-    size = (text.count(members.get("width"), "width"), text.count(members.get("height"), "height"))
-    if (
-        value("b2")
-        or (kind == "frame" and value("k4"))
-        or (kind == "fisheye" and (value("p1") or value("p2")))
-    ):
+    size = text.width_height((members.get("width"), members.get("height")))
+    absent = ("b2", "k4") if kind == "frame" else ("b2", "p1", "p2")
+    if any(map(value, absent)):
         raise text.refuse("skew (b2), k4 of a frame camera, or p1 and p2 of a fisheye are not supported")
     if value("p3") or value("p4"):
         raise text.refuse("p3 and p4 are not supported")

@@ -19,16 +19,12 @@ class ArToolKit(Format):
 
     name = "artoolkit"
     suffix = ".dat"
-    media_type = "application/octet-stream"
     constraints = (ModelConstraint("rectilinear", zero=("k3",)),)
 
-    def write(self, source: ExportSource, conversion: Conversion) -> bytes:  # noqa: ARG002 - every format has both
-        """Write the file."""
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         c = conversion.camera
-        k = np.asarray(c.matrix)
-        p = np.concatenate([k, np.zeros((3, 1))], axis=1)
-        parameters = [*c.distortion[:4], k[0, 0], k[1, 1], k[0, 2], k[1, 2], 1.0]
-        return struct.pack(">2i12d9d", *c.img_size, *p.ravel(), *parameters)
+        p = np.column_stack([c.matrix, np.zeros(3)])
+        return struct.pack(">2i12d9d", *c.img_size, *p.ravel(), *c.distortion[:4], *c.intrinsics[:4], 1.0)
 
 
 _HEAD = struct.Struct(">2i12d")
@@ -37,7 +33,7 @@ FACTORS = {_HEAD.size + 8 * count: count for count in (4, 5, 6, 9, 17)}
 
 
 def is_parameters(raw: bytes) -> bool:
-    """True if bytes are a camera_para.dat: by their length, and a size of a picture in front."""
+    """True if bytes are a camera_para.dat: by their length, and the size of a picture in front."""
     if len(raw) not in FACTORS:
         return False
     w, h = (int(side) for side in struct.unpack_from(">2i", raw))
@@ -58,6 +54,5 @@ def read(raw: bytes) -> ImportedFile:
             "a camera_para.dat of versions 1 to 3, whose distortion is not OpenCV's: calibrate again with a "
             "newer ARToolKit"
         )
-    fx, fy, cx, cy = factors[-5:-1]
-    matrix = matrix_of(fx, fy, cx, cy)
+    matrix = matrix_of(*factors[-5:-1])
     return ImportedFile(camera_from_opencv(matrix, factors[:-5], (w, h), fisheye=False))

@@ -1,4 +1,4 @@
-"""Base of every file format: capabilities and writer."""
+"""Values that pass between formats and their callers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,24 +16,9 @@ MAX_INVISIBLE_PX = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ExportSource:
-    """Calibration to be written, with its measurements and its origin.
+    """Calibration to be written, of views, which may be none, of one board if it is known.
 
-    Attributes
-    ----------
-    camera
-        The calibrated camera.
-    views
-        The measurements it was fitted to; may be none.
-    board
-        The board that the views show, where it is one board.
-    name, identifier
-        The camera's label, and the calibration's id.
-    rms
-        px over all measurements.
-    time
-        Unix seconds of the calibration.
-    record
-        All that the service answers about it.
+    `rms` in px, `time` in Unix seconds; `record` is all that the service answers about it.
     """
 
     camera: Camera
@@ -52,8 +37,6 @@ class Conversion:
 
     Attributes
     ----------
-    camera
-        Camera of the file.
     error
         px, largest distance between where the two project the same ray, over what is covered.
     coverage
@@ -73,14 +56,12 @@ class Conversion:
     @property
     def warning(self) -> str | None:
         """Note for the reader of the file; None if the conversion cannot be seen."""
-        said = ""
+        off, said = f"up to {self.error:.2f} px off", ""
         if self.coverage < 0.999:
-            said = (
-                f"Approximation: this format holds {100 * self.coverage:.0f} % of the image; "
-                f"there it is up to {self.error:.2f} px off."
-            )
+            share = f"{100 * self.coverage:.0f} % of the image"
+            said = f"Approximation: this format holds {share}; there it is {off}."
         elif self.error > MAX_INVISIBLE_PX:
-            said = f"Approximation: up to {self.error:.2f} px off somewhere in the image."
+            said = f"Approximation: {off} somewhere in the image."
         return f"{said} {self.remark}".strip() or None
 
 
@@ -94,20 +75,11 @@ class ModelConstraint:
 
 
 ANY_MODEL = tuple(ModelConstraint(model) for model in models.NAMES)
-"""Constraints of a format that holds every camera."""
 
 
 @dataclass(frozen=True)
 class ExportedFile:
-    """A file.
-
-    Attributes
-    ----------
-    content, media_type, filename
-        Body, media type and file name of a download.
-    error, coverage, warning
-        See `Conversion`.
-    """
+    """A file for download; `error`, `coverage` and `warning` as of `Conversion`."""
 
     content: bytes
     media_type: str
@@ -119,21 +91,10 @@ class ExportedFile:
 
 @dataclass(frozen=True, eq=False)
 class ImportedFile:
-    """Content of a file.
+    """Content of a file: a camera, None of mere measurements, and views on the file's board, in its unit.
 
-    Attributes
-    ----------
-    camera
-        None if the file has only measurements.
-    views
-        With the coordinates of the file's own board, in its unit.
-    name
-        The camera's name in the file, or "".
-    cameras
-        Names of all cameras in the file, in the order of their numbers, where there are several.
-    error
-        px, largest distance between the projections by the file's camera and by this one: of a model that
-        calibsolver does not have.
+    `cameras` are the names of all in a file with several. `error`: px, largest distance from the projections
+    by the file's camera, if calibsolver lacks its model.
     """
 
     camera: Camera | None
@@ -145,19 +106,10 @@ class ImportedFile:
 
 @dataclass(frozen=True)
 class ReaderOptions:
-    """Facts that a file may lack and its caller may pass.
+    """Facts that a file may lack: size of the pictures, px; columns and rows of a board with corners.
 
-    Attributes
-    ----------
-    img_size
-        Width and height of the pictures, px, for files that do not state them.
-    number
-        Number of the camera in a file with several, from 0.
-    squares
-        Columns and rows of the board, for tables of corners.
-    model
-        Distortion model of coefficients that could be of two: four without a name are k1 k2 p1 p2, or a
-        fisheye's k1 to k4.
+    `number` is that of the camera in a file with several, from 0. `model` is that of coefficients without a
+    name: four are k1 k2 p1 p2, or a fisheye's k1 to k4.
     """
 
     img_size: tuple[int, int] | None = None

@@ -14,7 +14,7 @@ def matrix_of(fx: float, fy: float, cx: float, cy: float) -> Array:
 
 
 def make_camera(model: str, matrix: Array, d: Array, img_size: tuple[int, int]) -> Camera:
-    """Make a camera of what a file holds; CalibrationError ``malformed`` where it is none."""
+    """Make the camera that a file holds; CalibrationError ``malformed`` if there cannot be one."""
     w, h = img_size
     if not (1 <= w <= 65_536 and 1 <= h <= 65_536):
         raise text.refuse(f"a picture of {w} x {h} px is none")

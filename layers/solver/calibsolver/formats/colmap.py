@@ -24,9 +24,7 @@ MODELS = {
 }
 """Parameters of the models that are known here, and whether they are of the angle."""
 MAX_LINE_LENGTH = 1000
-"""Characters of a line that describes a camera."""
 _LINE = re.compile(r"\d{1,9} ([A-Z][A-Z_]{2,40}) (\d{1,9}) (\d{1,9})((?: [-+.eE\d]+)+)", re.ASCII)
-"""Such a line, one blank between its words."""
 
 
 class Colmap(Format):
@@ -38,7 +36,6 @@ class Colmap(Format):
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"), ModelConstraint("fisheye"))
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the file; `source`'s name is a comment."""
         (w, h), (model, params) = conversion.camera.img_size, parameters(conversion.camera)
         return text.lines(
             "# Camera list with one line of data per camera:",
@@ -50,14 +47,15 @@ class Colmap(Format):
 
 def parameters(camera: Camera) -> tuple[str, list[float]]:
     """Return the name of COLMAP's model of a camera that is not omnidirectional, and its parameters."""
-    k, d = camera.matrix, camera.distortion
+    d = camera.distortion
     model = "OPENCV_FISHEYE" if camera.model == "fisheye" else "FULL_OPENCV"
     if camera.model == "rectilinear":
         if d[4] == 0:
             model, d = "OPENCV", d[:4]
         else:
             d = np.append(d, np.zeros(3))
-    return model, [k[0, 0], k[1, 1], k[0, 2] + HALF, k[1, 2] + HALF, *d]
+    fx, fy, cx, cy = camera.intrinsics[:4]
+    return model, [fx, fy, cx + HALF, cy + HALF, *d]
 
 
 def lines_of_cameras(content: str) -> list[dict[str, object]]:

@@ -40,17 +40,17 @@ RIM_MARGIN = 1e-6
 def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
     """Return the camera closest to the source's that one of `constraints` can hold.
 
-    The source's own, where it can be written. Otherwise each constraint is fitted to the views (without
-    any, to the rays of the image), and the first wins that explains them about as well as the best: what a
-    tool is used to comes first among its constraints.
+    Its own if possible. Otherwise each constraint is fitted to the views (without any, to the rays of the
+    image), and the first wins that explains them about as well as the best: what a tool is used to comes
+    first.
 
     Raises CalibrationError ``not_representable`` if none comes near.
     """
     for constraint in constraints:
-        same = embed(source.camera, constraint.model)
+        same = _embed(source.camera, constraint.model)
         if same is not None and satisfies(same, constraint):
             return Conversion(same)
-    source = in_shape(source)
+    source = _in_shape(source)
     candidates: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
@@ -58,7 +58,7 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     for constraint in constraints:
         try:
             camera, used = fitted(source, constraint)
-            conversion = replace(compare(source.camera, camera), used=used if source.views else ())
+            conversion = replace(compare(source.camera, camera), used=used)
             candidates.append((_rms(source, camera, widest), conversion))
         except CalibrationError as error:
             reasons.append(str(error))
@@ -77,7 +77,7 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     return conversion
 
 
-def in_shape(source: ExportSource) -> ExportSource:
+def _in_shape(source: ExportSource) -> ExportSource:
     """Replace the views by those of the board in its shape, if the camera was fitted to that."""
     camera, views = source.camera, source.views
     if not views:
@@ -100,7 +100,7 @@ def _rms(source: ExportSource, camera: Camera, widest: float) -> float:
     return float(np.nan_to_num(np.sqrt(np.square(away).sum(axis=0).mean()), nan=np.inf))
 
 
-def embed(camera: Camera, model: str) -> Camera | None:
+def _embed(camera: Camera, model: str) -> Camera | None:
     """Return the same camera under a model of which its own is a special case; None if it is not."""
     if camera.model == model:
         return camera
@@ -117,16 +117,16 @@ def satisfies(camera: Camera, constraint: ModelConstraint) -> bool:
 
 
 def compare(camera: Camera, other: Camera) -> Conversion:
-    """Projection differences of `other` from `camera`, over the rays of the image of `camera`.
+    """Projection differences of `other` from `camera`, over the rays of its image that `other` holds.
 
-    Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
-    side, within the domain of its own model. A plane's coordinates grow without end towards 90 degrees, so a
-    file's values there are meaningless. The border of the image counts, and so do the rims of both domains
-    where they cross it: differences are largest there.
+    These lie where `other` is one-to-one and, if `camera` is of a model that sees farther to the side, within
+    the domain of the model of `other`: a plane's coordinates grow without end towards 90 degrees. The border
+    of the image counts, and so do the rims of both domains where they cross it: differences are largest
+    there.
     """
     w, h = camera.img_size
     model, own = models.get(other.model), models.get(camera.model)
-    angle = model.domain_half_angle(np.asarray(other.distortion))
+    angle = model.domain_half_angle(other.distortion)
     if own.max_angle > model.max_angle:
         angle = min(angle, model.max_angle)
 
@@ -148,11 +148,10 @@ def compare(camera: Camera, other: Camera) -> Conversion:
     worst = float(away.max())
     centre, step = q[np.argmax(away)], np.array([w, h]) / (np.array(IMAGE_ERROR_GRID) - 1)
     for _ in range(ZOOMS):
-        (x0, y0), (x1, y1) = (centre - step).tolist(), (centre + step).tolist()
-        near = np.clip(_lattice((x0, x1), (y0, y1), (9, 9)), -0.5, (w - 0.5, h - 0.5))
+        near = np.clip(_lattice(centre - step, centre + step, (9, 9)), -0.5, (w - 0.5, h - 0.5))
         nearby = differences(near)[0]
         centre, step, worst = near[np.argmax(nearby)], step / 4, max(worst, float(nearby.max()))
-    for rim in {angle, min(angle, own.domain_half_angle(np.asarray(camera.distortion)))}:
+    for rim in {angle, min(angle, own.domain_half_angle(camera.distortion))}:
         rays = _cone(rim * (1 - RIM_MARGIN))
         there = camera.project(rays)
         met = ((there >= -0.5) & (there <= (w - 0.5, h - 0.5))).all(axis=1)
@@ -166,7 +165,7 @@ def samples(img_size: tuple[int, int]) -> Array:
     w, h = img_size
     t = np.linspace(0, 1, EDGE_POINTS)
     return np.concatenate(
-        [_lattice((-0.5, w - 0.5), (-0.5, h - 0.5), IMAGE_ERROR_GRID)]
+        [_image_grid(img_size)]
         + [np.stack([w * t - 0.5, 0 * t + y], axis=1) for y in (-0.5, h - 0.5)]
         + [np.stack([0 * t + x, h * t - 0.5], axis=1) for x in (-0.5, w - 0.5)]
     )
@@ -176,15 +175,18 @@ def share_behind(camera: Camera) -> float:
     """Share of a fisheye's image whose rays lie at 90 degrees from the axis or beyond; 0 for other models."""
     if camera.model != "fisheye":
         return 0.0
-    w, h = camera.img_size
-    rays = camera.unproject(_lattice((-0.5, w - 0.5), (-0.5, h - 0.5), IMAGE_ERROR_GRID))
+    rays = camera.unproject(_image_grid(camera.img_size))
     depths = rays[np.isfinite(rays).all(axis=1), 2]
     return float((depths <= 0).mean()) if len(depths) else 0.0
 
 
-def _lattice(x: Sequence[float], y: Sequence[float], count: tuple[int, int]) -> Array:
-    """Points (n, 2) in rows and columns from the first to the last x and y."""
-    columns, rows = np.meshgrid(np.linspace(x[0], x[1], count[0]), np.linspace(y[0], y[1], count[1]))
+def _image_grid(img_size: tuple[int, int]) -> Array:
+    return _lattice(np.array([-0.5, -0.5]), np.array(img_size) - 0.5, IMAGE_ERROR_GRID)
+
+
+def _lattice(first: Array, last: Array, count: tuple[int, int]) -> Array:
+    """Points (n, 2) in columns and rows between two corners."""
+    columns, rows = np.meshgrid(*(np.linspace(*ends) for ends in zip(first, last, count, strict=True)))
     return np.stack([columns.ravel(), rows.ravel()], axis=1)
 
 
@@ -197,10 +199,9 @@ def _cone(angle: float) -> Array:
 def convert_in_image(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
     """Return the camera of one of `constraints` that draws the picture most alike.
 
-    For files that correct pictures: there a turn of the camera, which a fit to keypoints is free to make, is
-    a shift of what is seen. Another model is fitted to the source's views first.
-
-    Raises CalibrationError ``not_representable``.
+    For files that correct pictures: a turn of the camera, which a fit to keypoints is free to make, would be
+    a shift of what is seen. Another model is fitted to the source's views first. Raises CalibrationError
+    ``not_representable``.
     """
     whole = convert(source, tuple(ModelConstraint(constraint.model) for constraint in constraints)).camera
     constraint = next(constraint for constraint in constraints if constraint.model == whole.model)
@@ -214,15 +215,15 @@ def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, t
     Raises CalibrationError if no believable one fits.
     """
     if not source.views:
-        closest = fit_to_rays(embed(source.camera, constraint.model) or source.camera, constraint)
+        closest = fit_to_rays(_embed(source.camera, constraint.model) or source.camera, constraint)
         model = models.get(constraint.model)
         rays, _ = sampled_rays(source.camera, model.max_angle)
-        if (~model.valid(np.asarray(closest.distortion), rays)).mean() > MAX_SHARE_OUTSIDE_DOMAIN:
+        if (~model.valid(closest.distortion, rays)).mean() > MAX_SHARE_OUTSIDE_DOMAIN:
             raise CalibrationError("not_representable", "the simpler model folds the image over")
         return closest, ()
     views = source.views
-    first = embed(source.camera, constraint.model)
-    used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
+    first = _embed(source.camera, constraint.model)
+    used = all_points(views)
     if first is None:
         size = source.camera.img_size
         calibration = fit(views, size, constraint.model, start=source.camera, board_shape=False)
@@ -232,6 +233,11 @@ def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, t
     return fit_constrained(first, constraint, views, used), used
 
 
+def all_points(views: Sequence[View]) -> tuple[Mask, ...]:
+    """Masks (n,) of all points of views."""
+    return tuple(np.ones(len(view), dtype=bool) for view in views)
+
+
 def fit_constrained(
     camera: Camera, constraint: ModelConstraint, views: tuple[View, ...], used: tuple[Mask, ...]
 ) -> Camera:
@@ -239,7 +245,7 @@ def fit_constrained(
 
     k = T a: the columns of the problem's basis T are the directions in which the intrinsics may still go.
 
-    Raises CalibrationError ``not_representable`` if nothing comes of it.
+    Raises CalibrationError ``not_representable`` if the fit diverges.
     """
     model = models.get(camera.model)
     basis = free_directions(model, constraint)

@@ -34,25 +34,22 @@ class Dng(Format):
 
     name = "dng"
     suffix = ".opcodelist3"
-    media_type = "application/octet-stream"
     constraints = (
         ModelConstraint("rectilinear", equal_focal=True),
         ModelConstraint("fisheye", equal_focal=True),
     )
 
     def convert(self, source: ExportSource) -> Conversion:
-        """Take fx = fy, then as a fisheye four terms over the angles that the opcode reaches."""
         conversion = convert_in_image(source, self.constraints)
         if conversion.camera.model != "fisheye":
             return conversion
-        four = refit_without_k4(conversion.camera)
+        four = _refit_without_k4(conversion.camera)
         whole = compare(source.camera, four)
         return Conversion(four, _within(source.camera, four), whole.coverage)
 
-    def write(self, source: ExportSource, conversion: Conversion) -> bytes:  # noqa: ARG002 - every format has both
-        """Write a list of one opcode."""
+    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         c = conversion.camera
-        (w, h), k = c.img_size, np.asarray(c.matrix)
+        (w, h), k = c.img_size, c.matrix
         f, m = float(k[0, 0]), farthest(c)
         g, d = m / f, c.distortion
         if c.model == "fisheye":
@@ -66,11 +63,11 @@ class Dng(Format):
 
 def farthest(camera: Camera) -> float:
     """m, px: the distance of the principal point from the farthest corner of the picture."""
-    (w, h), k = camera.img_size, camera.matrix
-    return math.hypot(max(k[0, 2], w - k[0, 2]), max(k[1, 2], h - k[1, 2]))
+    (w, h), (cx, cy) = camera.img_size, camera.matrix[:2, 2]
+    return math.hypot(max(cx, w - cx), max(cy, h - cy))
 
 
-def refit_without_k4(camera: Camera) -> Camera:
+def _refit_without_k4(camera: Camera) -> Camera:
     """Return the fisheye camera with k4 = 0 that is closest over the angles that the opcode reaches."""
     if camera.distortion[3] == 0:
         return camera

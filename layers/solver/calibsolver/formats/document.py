@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from typing import Any
@@ -10,39 +9,22 @@ from typing import Any
 from ..errors import CalibrationError
 from . import agisoft, colmap, generic, gyroflow, kalibr, lensfun, meshroom, opensfm, photonvision, text
 from .base import ImportedFile, ReaderOptions
-from .members import Members, image_size, normalise
-from .spellings import DISTORTION, MATRIX, words
+from .members import DISTORTION, MATRIX, Members, image_size, normalise, words
 
 MAX_DEPTH = 8
-"""Levels of members in which cameras are looked for."""
 MAX_CAMERAS = 200
-"""Of one file."""
 FILE_SUFFIXES = (".yaml", ".yml", ".xml", ".json", ".ini", ".txt")
-"""Ends of the names of calibration files."""
 MAX_PATH_LENGTH = 300
-"""Characters of a string that may be the path of another file."""
 
 
-@dataclass(frozen=True)
-class FoundCamera:
-    """Place of a camera in a file.
-
-    Attributes
-    ----------
-    name
-        Path of names to it.
-    read
-        Reader of it; raises CalibrationError ``malformed``.
-    """
-
-    name: str
-    read: Callable[[ReaderOptions], ImportedFile]
+FoundCamera = tuple[str, Callable[[ReaderOptions], ImportedFile]]
+"""Path of names to a camera in a file, and its reader, which raises CalibrationError ``malformed``."""
 
 
 def cameras(data: object) -> list[FoundCamera]:
     """Return the cameras of a parsed file in its order; `cam0`, `cam1` … in that of their numbers."""
     records = list(islice(_walk(data, (), (), 0), MAX_CAMERAS))
-    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", each.name) for each in records]
+    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", name) for name, _ in records]
     order = sorted((int(match[1]), i) for i, match in enumerate(numbers) if match)
     return [records[i] for _, i in order] if len(order) == len(records) else records
 
@@ -67,22 +49,18 @@ def _walk(
     around = (*around, members)
     if lensfun.is_lens(members):
         for part in lensfun.distortions(data):
-            yield FoundCamera(lensfun.lens_name(data, part), partial(_lensfun, data, part))
+            yield lensfun.lens_name(data, part), partial(lensfun.read, data, part)
         return
     if reader is not None:
-        yield FoundCamera(name, lambda _: reader(data))
+        yield name, lambda _: reader(data)
     elif len(sides) > 1 or (sides and not generic.is_camera(members)):
         for side, part in sides.items():
-            yield FoundCamera(".".join((*path, side)), _generic(part, around, index))
+            yield ".".join((*path, side)), _generic(part, around, index)
     elif generic.is_camera(members):
-        yield FoundCamera(name, _generic(data, around, index))
+        yield name, _generic(data, around, index)
     else:
         for key, value in _nest_dotted_names(data).items():
             yield from _walk(value, (*path, key), around, 0)
-
-
-def _lensfun(data: Mapping[Any, Any], part: Mapping[Any, Any], options: ReaderOptions) -> ImportedFile:
-    return lensfun.read(data, part, options.img_size)
 
 
 def _generic(
@@ -96,7 +74,7 @@ def _generic(
 
 
 def _reader(data: Mapping[Any, Any], members: Members) -> Callable[[Any], ImportedFile] | None:
-    """Return the reader of a tool's own structure, where the mapping has it."""
+    """Return the reader of a tool's own structure, if the mapping has it."""
     if "fisheye_params" in data:
         return gyroflow.read
     if text.has_member(data.get("cameraIntrinsics"), "data"):

@@ -62,12 +62,13 @@ def closest_camera(rays_of: Unprojection, size: tuple[int, int], name: str = "")
 def named_rays(members: Members, matrix: Array) -> Unprojection | None:
     """Return the rays of a camera whose members name the double sphere or the extended unified model."""
     kind = normalise(members.get("cameratype", "cameramodel", "distortionmodel", "type", "model") or "")
-    names = {"ds": ("xi", "alpha"), "doublesphere": ("xi", "alpha")} | dict.fromkeys(
-        ("eucm", "extendedunified"), ("alpha", "beta")
-    )
+    names = {
+        **dict.fromkeys(("ds", "doublesphere"), ("xi", "alpha")),
+        **dict.fromkeys(("eucm", "extendedunified"), ("alpha", "beta")),
+    }
     if kind not in names or not all(name in members for name in names[kind]):
         return None
-    one, other = (float(text.floats(members.get(name), name, 1, 1)[0]) for name in names[kind])
+    one, other = (text.scalar(members.get(name), name) for name in names[kind])
     return rays_of_kind(kind, matrix, one, other)
 
 
@@ -113,9 +114,9 @@ def scaramuzza(
 def radial_corrected(
     distort: Callable[[Array], Array], unit: float, focal: float, centre: tuple[float, float]
 ) -> Unprojection:
-    """Return the rays of a camera whose distorted radius, in `unit` px, is a function of the corrected one.
+    """Return the rays of a camera whose distorted radius is a function of the corrected one.
 
-    `focal` is in the same unit.
+    Radii and `focal` are in units of `unit` px.
     """
     corrected = np.linspace(0, 4, 8001)
     table = distort(corrected)

@@ -1,4 +1,4 @@
-"""One tool's file format: what it can hold, and its writer."""
+"""Base of the file formats."""
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
@@ -6,16 +6,28 @@ from dataclasses import replace
 from .base import Conversion, ExportSource, ModelConstraint
 from .convert import convert, share_behind
 
+MEDIA_TYPES = {
+    ".json": "application/json",
+    **dict.fromkeys((".yaml", ".yml"), "application/yaml"),
+    ".xml": "application/xml",
+    ".gltf": "model/gltf+json",
+    **dict.fromkeys((".dat", ".opcodelist3"), "application/octet-stream"),
+}
+
 
 class Format(ABC):
-    """One tool's file."""
+    """One tool's file: what it can hold, and its writer."""
 
     name: str
     suffix: str
-    media_type: str = "text/plain; charset=utf-8"
     constraints: tuple[ModelConstraint, ...]
     front_readers: str = ""
     """Tools that read the file and project only points in front of the camera, by dividing by z."""
+
+    @property
+    def media_type(self) -> str:
+        """Media type of a download."""
+        return MEDIA_TYPES.get(self.suffix, "text/plain; charset=utf-8")
 
     def convert(self, source: ExportSource) -> Conversion:
         """Return the closest camera that the file can hold; CalibrationError ``not_representable``."""
@@ -40,7 +52,7 @@ class Format(ABC):
         """Return the file's content; `conversion.camera` is what it says, the rest is `source`'s."""
 
     def comment(self, source: ExportSource, conversion: Conversion) -> list[str]:
-        """Say whose calibration this is, its expected error, and the warning; comments begin with a hash.
+        """Return comments: whose calibration this is, its expected error, and the warning.
 
         The error is that of the record: of the picture as calibrated, with what is systematic in the views.
         """

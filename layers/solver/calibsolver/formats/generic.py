@@ -1,10 +1,9 @@
 """Cameras under the names that calibration programs use: a matrix and coefficients, or single numbers.
 
-OpenCV's samples and tools, ROS, camodocal (VINS), ORB-SLAM, Basalt, RealSense, KITTI, MATLAB and many scripts
-differ in the spelling and nesting of the same few numbers.
+They differ in the spelling and nesting of the same few numbers.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,7 @@ from . import text
 from .base import ImportedFile, ReaderOptions
 from .coefficients import camera_from_opencv, make_camera, matrix_of, pad_coefficients
 from .foreign_models import closest_camera, named_rays
-from .members import Members, image_size
-from .model_names import stated_model
-from .spellings import (
+from .members import (
     CENTRE,
     CENTRE_PAIRS,
     COEFFICIENTS,
@@ -27,6 +24,9 @@ from .spellings import (
     FOCAL_PAIRS,
     MATRIX,
     NESTED,
+    Members,
+    image_size,
+    stated_model,
 )
 
 MAX_SKEW_PX = 0.05
@@ -41,12 +41,12 @@ def is_camera(members: Members) -> bool:
 def read(
     data: Mapping[Any, Any], options: ReaderOptions, size: tuple[int, int] | None = None
 ) -> ImportedFile:
-    """Read one camera; `size` counts where the camera itself states none. CalibrationError ``malformed``."""
+    """Read one camera; `size` counts if the camera itself states none. CalibrationError ``malformed``."""
     members = Members(data)
-    size = image_size(members) or image_size(_flat(members)) or size or options.img_size
+    flat = _flat(members)
+    size = image_size(members) or image_size(flat) or size or options.img_size
     if size is None:
         raise text.refuse("the file does not say the size of the pictures: give it (--img-size 1280x720)")
-    flat = _flat(members)
     matrix, xi = _matrix(members, flat)
     if matrix[2, 0] != 0 and matrix[0, 2] == 0:  # columns first
         matrix = matrix.T.copy()
@@ -60,33 +60,29 @@ def read(
     d, named = _distortion(members, flat)
     model = stated_model(flat, distorted=bool(np.any(d)) or any(named.values())) or options.model or None
     if xi is None and "xi" in flat:
-        xi = float(text.floats(_data(flat.get("xi")), "xi", 1, 1)[0])
+        xi = text.scalar(_data(flat.get("xi")), "xi")
     _check_focal(matrix, size)
     matrix = _without_skew(matrix, size)
-    camera = _camera(
-        matrix, _order_coefficients(named, model, d), size, "omnidirectional" if xi is not None else model, xi
-    )
+    d = _order_coefficients(named, model, d)
+    if xi is not None:
+        camera = make_camera("omnidirectional", matrix, np.concatenate([[xi], pad_coefficients(d, 4)]), size)
+    elif model == "omnidirectional":
+        if len(d) != 5:
+            raise text.refuse("an omnidirectional camera needs xi")
+        camera = make_camera(model, matrix, d, size)
+    elif model == "rational" and len(d) < 8:
+        camera = make_camera(model, matrix, pad_coefficients(d, 8), size)
+    else:
+        camera = camera_from_opencv(matrix, d, size, fisheye=model == "fisheye")
     return ImportedFile(camera, name=name)
 
 
-def _camera(matrix: Array, d: Array, size: tuple[int, int], model: str | None, xi: float | None) -> Any:
-    if model == "omnidirectional":
-        if xi is None and len(d) != 5:
-            raise text.refuse("an omnidirectional camera needs xi")
-        full = d if xi is None else np.concatenate([[xi], pad_coefficients(d, 4)])
-        return make_camera("omnidirectional", matrix, full, size)
-    if model == "rational" and len(d) < 8:
-        return make_camera("rational", matrix, pad_coefficients(d, 8), size)
-    return camera_from_opencv(matrix, d, size, fisheye=model == "fisheye")
-
-
 def _data(value: Any) -> Any:
-    """Unwrap the numbers of an OpenCV or ROS matrix; leave any other value as it is."""
-    if isinstance(value, Mapping):
-        inner = Members(value)
-        content = inner.get("data", "values", "value", "elements")
-        return value if content is None else content
-    return value
+    """Unwrap the numbers of an OpenCV or ROS matrix."""
+    content = (
+        Members(value).get("data", "values", "value", "elements") if isinstance(value, Mapping) else None
+    )
+    return value if content is None else content
 
 
 def _matrix_key(members: Members) -> str | None:
@@ -102,7 +98,7 @@ def _matrix_key(members: Members) -> str | None:
             count in (4, 5) and key in ("intrinsics", "intrinsic", "intrinsicparameters")
         ):
             return key
-        if key in EXPLICIT_MATRIX and (count or not isinstance(value, str)):
+        if key in EXPLICIT_MATRIX:
             return key  # called so, and not one: its reader says why
     return None
 
@@ -123,21 +119,18 @@ def _matrix(members: Members, flat: Members) -> tuple[Array, float | None]:
     key = _matrix_key(members)
     if key is not None:
         name = members.spelling(key)
-        held = _data(members.get(key))
-        values = text.floats(held, name, 0, 12)
+        values = text.floats(_data(members.get(key)), name, 0, 12)
         if len(values) == 9:
             return values.reshape(3, 3), None
         if len(values) == 12:  # a projection matrix [K | 0]
             return values.reshape(3, 4)[:, :3].copy(), None
         if len(values) in (4, 5) and key not in EXPLICIT_MATRIX:
-            fx, fy, cx, cy = values[-4:]
-            return matrix_of(fx, fy, cx, cy), float(values[0]) if len(values) == 5 else None
+            return matrix_of(*values[-4:]), float(values[0]) if len(values) == 5 else None
         raise text.refuse(f"{name} must be 9 to 9 numbers, not {len(values)}")
     intrinsics = _scalar_intrinsics(flat)
     if intrinsics is None:
         raise text.refuse("the file has no camera matrix")
-    fx, fy, cx, cy = intrinsics
-    return matrix_of(fx, fy, cx, cy), None
+    return matrix_of(*intrinsics), None
 
 
 def _flat(members: Members) -> Members:
@@ -154,22 +147,19 @@ def _flat(members: Members) -> Members:
     return Members(result)
 
 
-def _scalar_intrinsics(flat: Members) -> tuple[float, float, float, float] | None:
-    """Find fx fy cx cy that stand under names of their own, or in pairs."""
+def _scalar_intrinsics(flat: Members) -> Sequence[float] | None:
+    """Find fx fy cx cy under names of their own, or in pairs."""
     focal = _two(flat, FOCAL, FOCAL_PAIRS)
     centre = _two(flat, CENTRE, CENTRE_PAIRS)
     return None if focal is None or centre is None else (*focal, *centre)
 
 
-def _two(
-    flat: Members, single: tuple[tuple[str, str], ...], pairs: tuple[str, ...]
-) -> tuple[float, float] | None:
+def _two(flat: Members, single: Sequence[tuple[str, str]], pairs: Sequence[str]) -> Array | None:
     for x, y in single:
         if x in flat and (y in flat or x in ("fx", "flx")):
-            values = (flat.get(x), flat.get(y) if y in flat else flat.get(x))
-            if all(_is_number(value) for value in values):
-                pair = text.floats(list(values), f"{flat.spelling(x)}, {flat.spelling(y)}", 2, 2)
-                return float(pair[0]), float(pair[1])
+            values = [flat.get(x), flat.get(y if y in flat else x)]
+            if all(map(_is_number, values)):
+                return text.floats(values, f"{flat.spelling(x)}, {flat.spelling(y)}", 2, 2)
     for key in pairs:
         value = _data(flat.get(key))
         if isinstance(value, Mapping):
@@ -177,14 +167,14 @@ def _two(
             value = [inner.get("x", "fx", "cx", "u"), inner.get("y", "fy", "cy", "v")]
         if _is_number(value) and key in FOCAL_PAIRS:
             value = [value, value]
-        if (
-            isinstance(value, list | tuple | str)
-            and len(_flatten(value)) == 2
-            and all(map(_is_number, _flatten(value)))
-        ):
-            pair = text.floats(value, flat.spelling(key), 2, 2)
-            return float(pair[0]), float(pair[1])
+        if _are_numbers(value) and len(_flatten(value)) == 2:
+            return text.floats(value, flat.spelling(key), 2, 2)
     return None
+
+
+def _are_numbers(value: Any) -> bool:
+    """True for a list, or a text, of numbers only."""
+    return isinstance(value, list | tuple | str) and all(map(_is_number, _flatten(value)))
 
 
 def _is_number(value: Any) -> bool:
@@ -194,24 +184,16 @@ def _is_number(value: Any) -> bool:
 
 
 def _distortion(members: Members, flat: Members) -> tuple[Array, dict[str, float]]:
-    """Coefficients in OpenCV's order; or, where they stand under names of their own, by name."""
+    """Coefficients in OpenCV's order, or by name."""
     for key in DISTORTION:
         held = _data(members.get(key))
-        if (
-            held is None
-            or isinstance(held, Mapping)
-            or (isinstance(held, str) and text.number_list(held) is None)
-        ):
-            continue
-        if isinstance(held, bool) or (isinstance(held, list) and any(isinstance(v, Mapping) for v in held)):
+        is_word = isinstance(held, str) and text.number_list(held) is None
+        has_members = isinstance(held, list) and any(isinstance(v, Mapping) for v in held)
+        if held is None or is_word or has_members or isinstance(held, Mapping | bool):
             continue
         return text.floats(held, members.spelling(key), 0, 14), {}
     radial = _data(flat.get("radialdistortion", "radial", "radialdistortioncoefficients", "kr"))
-    if (
-        isinstance(radial, list | tuple | str)
-        and (values := _flatten(radial))
-        and all(map(_is_number, values))
-    ):
+    if _are_numbers(radial) and _flatten(radial):
         k = text.floats(radial, "radial distortion", 1, 6)
         tangential = _data(
             flat.get("tangentialdistortion", "tangential", "kt", "tangentialdistortioncoefficients")
@@ -222,12 +204,11 @@ def _distortion(members: Members, flat: Members) -> tuple[Array, dict[str, float
     for name in COEFFICIENTS:
         value = flat.get(name)
         if value is not None and _is_number(value):
-            named[name] = float(text.floats(value, flat.spelling(name), 1, 1)[0])
+            named[name] = text.scalar(value, flat.spelling(name))
     return np.zeros(0), named
 
 
 def _order_coefficients(named: dict[str, float], model: str | None, d: Array) -> Array:
-    """Put named coefficients into OpenCV's order."""
     if not named:
         return d
     names = COEFFICIENTS
@@ -246,7 +227,7 @@ def _matlab_size(members: Members) -> tuple[int, int] | None:
     size = _flatten(_data(members.get("imagesize")))
     if len(size) < 2 or not all(map(_is_number, size)):
         return None
-    return text.count(float(size[1]), "ImageSize"), text.count(float(size[0]), "ImageSize")
+    return text.width_height((float(size[1]), float(size[0])), ("ImageSize", "ImageSize"))
 
 
 def _check_focal(matrix: Array, size: tuple[int, int]) -> None:
@@ -259,7 +240,6 @@ def _check_focal(matrix: Array, size: tuple[int, int]) -> None:
 
 
 def _without_skew(matrix: Array, size: tuple[int, int]) -> Array:
-    """Leave out a negligible skew."""
     if matrix[0, 1] and matrix[1, 1] > 0 and abs(matrix[0, 1]) * size[1] / matrix[1, 1] < MAX_SKEW_PX:
         matrix = matrix.copy()
         matrix[0, 1] = 0.0

@@ -12,20 +12,11 @@ from . import text
 MAX_CORNER_OFFSET = 0.02
 """Squares by which a point may lie off its corner."""
 MAX_BOARD_SIDE = 64
-"""Squares on a side of a board."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Views of a board of corners in rows and columns.
-
-    Attributes
-    ----------
-    squares
-        (columns, rows) of a board that has these corners.
-    ids
-        For each view the ids of its points, in their order.
-    """
+    """Views of a board of corners: (columns, rows) of its squares, and the ids of the points of each view."""
 
     squares: tuple[int, int]
     ids: tuple[tuple[int, ...], ...]

@@ -20,11 +20,9 @@ class Gyroflow(Format):
     name = "gyroflow"
     front_readers = "Gyroflow"
     suffix = ".json"
-    media_type = "application/json"
     constraints = (ModelConstraint("fisheye"),)
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the profile."""
         c = conversion.camera
         size = {"w": c.img_size[0], "h": c.img_size[1]}
         return text.dump(
@@ -45,7 +43,7 @@ class Gyroflow(Format):
                 "use_opencv_fisheye": True,
                 "fisheye_params": {
                     "RMS_error": source.rms,
-                    "camera_matrix": np.asarray(c.matrix).tolist(),
+                    "camera_matrix": c.matrix.tolist(),
                     "distortion_coeffs": c.distortion.tolist(),
                 },
                 "asymmetrical": True,
@@ -60,14 +58,12 @@ class Gyroflow(Format):
 def read(data: Mapping[str, Any]) -> ImportedFile:
     """Read a parsed profile; CalibrationError ``malformed``.
 
-    Anamorphic lenses: the profile is of the picture stretched to its proper width and height; the camera's
+    The profile of an anamorphic lens is of the picture stretched to its proper width and height; the camera's
     own picture is that one, compressed again. A digital lens (GoPro's SuperView and the like) bends the
     picture once more, as no camera model does.
     """
-    stretched = (
-        text.count(text.member(data, "calib_dimension", "w"), "calib_dimension.w"),
-        text.count(text.member(data, "calib_dimension", "h"), "calib_dimension.h"),
-    )
+    names = ("calib_dimension.w", "calib_dimension.h")
+    stretched = text.width_height((text.member(data, *name.split(".")) for name in names), names)
     digital = data.get("digital_lens") or ("gopro_superview" if data.get("is_superview") is True else "")
     if digital:
         raise text.refuse(
@@ -78,10 +74,7 @@ def read(data: Mapping[str, Any]) -> ImportedFile:
     matrix = text.floats(text.member(params, "camera_matrix"), "camera_matrix", 9, 9).reshape(3, 3)
     d = text.floats(text.member(params, "distortion_coeffs"), "distortion_coeffs", 0, 12)
     if not data.get("asymmetrical"):
-        matrix[:2, 2] = (
-            stretched[0] / 2,
-            stretched[1] / 2,
-        )  # the program would not use the one that is written
+        matrix[:2, 2] = np.array(stretched) / 2  # the program would not use the one that is written
     stretch = np.array([_stretch(data, "input_horizontal_stretch"), _stretch(data, "input_vertical_stretch")])
     size = (max(1, round(stretched[0] / stretch[0])), max(1, round(stretched[1] / stretch[1])))
     matrix[:2] /= stretch[:, None]
@@ -100,7 +93,7 @@ def read(data: Mapping[str, Any]) -> ImportedFile:
 def _stretch(data: Mapping[str, Any], key: str) -> float:
     """Factor by which the camera's picture is stretched; like Gyroflow, a missing one and nearly 0 are 1."""
     value = data.get(key)
-    stretch = float(text.floats(value, key, 1, 1)[0]) if value is not None else 1.0
+    stretch = text.scalar(value, key) if value is not None else 1.0
     if stretch <= MIN_STRETCH:
         return 1.0
     if not 1 / MAX_STRETCH <= stretch <= MAX_STRETCH:

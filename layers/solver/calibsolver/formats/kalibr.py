@@ -10,7 +10,6 @@ from .foreign_models import closest_camera, rays_of_kind
 from .format import Format
 
 INTRINSICS_COUNTS = {"pinhole": 4, "omni": 5}
-"""Numbers of intrinsics by camera_model."""
 
 
 class Kalibr(Format):
@@ -19,7 +18,6 @@ class Kalibr(Format):
     name = "kalibr"
     front_readers = "Kalibr"
     suffix = ".yaml"
-    media_type = "application/yaml"
     constraints = (
         ModelConstraint("rectilinear", zero=("k3",)),
         ModelConstraint("fisheye"),
@@ -27,7 +25,6 @@ class Kalibr(Format):
     )
 
     def check(self, conversion: Conversion) -> Conversion:
-        """Refuse a centre that Kalibr's own reader refuses."""
         cx, cy = conversion.camera.matrix[:2, 2]
         if cx < 0 or cy < 0:
             raise CalibrationError(
@@ -38,13 +35,11 @@ class Kalibr(Format):
         return super().check(conversion)
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the chain."""
         c = conversion.camera
-        k, d = np.asarray(c.matrix), np.asarray(c.distortion)
-        intrinsics = [k[0, 0], k[1, 1], k[0, 2], k[1, 2]]
+        intrinsics, d = c.intrinsics[:4], c.distortion
         model = "equidistant" if c.model == "fisheye" else "radtan"
         if c.model == "omnidirectional":
-            intrinsics, d = [d[0], *intrinsics], d[1:]
+            intrinsics, d = np.append(d[0], intrinsics), d[1:]
         return text.lines(
             self.comment(source, conversion),
             "cam0:",
@@ -65,9 +60,8 @@ def read(cam: object) -> ImportedFile:
     model = str(members.get("distortion_model", "")).lower()
     values = text.floats(text.member(cam, "intrinsics"), "intrinsics", 4, 6)
     d = text.floats(members.get("distortion_coeffs", []), "distortion_coeffs", 0, 8)
-    fx, fy, cx, cy = values[-4:]
-    matrix = matrix_of(fx, fy, cx, cy)
-    size = (text.count(w, "resolution"), text.count(h, "resolution"))
+    matrix = matrix_of(*values[-4:])
+    size = text.width_height((w, h), ("resolution", "resolution"))
     if kind in ("ds", "eucm") and len(values) == 6 and not d.any():
         return closest_camera(rays_of_kind(kind, matrix, *values[:2].tolist()), size)
     if model in ("", "none") and not d.any():

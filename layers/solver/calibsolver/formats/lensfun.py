@@ -12,7 +12,7 @@ from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint, ReaderOptions
 from .convert import ERROR_MARGIN, convert_in_image, samples
 from .foreign_models import closest_camera, radial_corrected
 from .format import Format
@@ -29,35 +29,32 @@ class Lensfun(Format):
     """`ptlens`: distorted radius = a r^4 + b r^3 + c r^2 + (1 - a - b - c) r of the corrected one.
 
     Radii are in units of half the picture's smaller side, the axis is `center`. The scale of the corrected
-    picture is free, and chosen so that the four terms are least squares over the picture. Tangential
-    distortion, and fx other than fy, have no place in it.
+    picture is free, and chosen so that the four terms are least squares over the picture. It has no
+    tangential distortion and one focal length.
     """
 
     name = "lensfun"
     suffix = ".xml"
-    media_type = "application/xml"
     constraints = (
         ModelConstraint("rectilinear", zero=RADIAL, equal_focal=True),
         ModelConstraint("fisheye", equal_focal=True),
     )
 
     def convert(self, source: ExportSource) -> Conversion:
-        """Take the closest radial camera; the error is that of the polynomial."""
         conversion = convert_in_image(source, self.constraints)
         return Conversion(conversion.camera, *_away(source.camera, conversion.camera))
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write a database of one camera and one lens."""
         c = conversion.camera
-        (w, h), k = c.img_size, np.asarray(c.matrix)
+        (w, h), (f, _, cx, cy) = c.img_size, c.intrinsics[:4].tolist()
         unit = half(c)
-        a, b, c2 = polynomial(c)[:3]
-        focal = k[0, 0] * DIAGONAL / math.hypot(w, h)
+        a, b, c2 = polynomial(c)[:3].tolist()
+        focal = f * DIAGONAL / math.hypot(w, h)
         name = escape(NO_XML.sub("", source.name).strip() or "camera", {'"': "&quot;"})
         kind = "\n        <type>fisheye</type>" if c.model == "fisheye" else ""
-        center = f'x="{float(k[0, 2] - (w - 1) / 2) / unit!r}" y="{float(k[1, 2] - (h - 1) / 2) / unit!r}"'
+        center = f'x="{(cx - (w - 1) / 2) / unit!r}" y="{(cy - (h - 1) / 2) / unit!r}"'
         note = f"\n<!-- {conversion.warning} -->" if conversion.warning else ""
-        model = f'model="ptlens" focal="{float(focal)!r}" a="{float(a)!r}" b="{float(b)!r}" c="{float(c2)!r}"'
+        model = f'model="ptlens" focal="{focal!r}" a="{a!r}" b="{b!r}" c="{c2!r}"'
         return f"""<?xml version="1.0" encoding="utf-8"?>{note}
 <lensdatabase version="1">
     <mount>
@@ -96,19 +93,17 @@ def polynomial(camera: Camera) -> Array:
     by A rho^4 + B rho^3 + C rho^2 + D rho; then r = s rho makes the coefficients sum to one where
     s^4 - D s^3 - C s^2 - B s - A = 0.
     """
-    k = np.asarray(camera.matrix)
-    unit = half(camera)
-    w, h = camera.img_size
-    reach = math.hypot(max(k[0, 2], w - 1 - k[0, 2]), max(k[1, 2], h - 1 - k[1, 2]))
+    (w, h), (cx, cy) = camera.img_size, camera.matrix[:2, 2]
+    reach = math.hypot(max(cx, w - 1 - cx), max(cy, h - 1 - cy))
     radius = np.linspace(0, reach, 400)[1:]
-    rays = camera.unproject(np.stack([k[0, 2] + radius, np.full_like(radius, k[1, 2])], axis=1))
+    rays = camera.unproject(np.stack([cx + radius, np.full_like(radius, cy)], axis=1))
     visible, rho = _corrected_radii(camera, rays)
     if visible.sum() < 10:
         raise CalibrationError("not_representable", "too little of the image can be corrected")
     terms = np.stack([rho**4, rho**3, rho**2, rho], axis=1)
     # every ring of the picture counts by its area
     weight = np.sqrt(radius[visible])
-    fitted = np.linalg.lstsq(terms * weight[:, None], radius[visible] / unit * weight, rcond=None)[0]
+    fitted = np.linalg.lstsq(terms * weight[:, None], radius[visible] / half(camera) * weight, rcond=None)[0]
     roots = np.roots([1.0, *-fitted[::-1]])
     real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0)]
     if not len(real):
@@ -128,7 +123,7 @@ def _corrected_radii(camera: Camera, rays: Array) -> tuple[Mask, Array]:
 
 def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     """Largest distance, px, of the polynomial from the camera over the image, and the share it reaches."""
-    k, q = np.asarray(radial.matrix), samples(camera.img_size)
+    q = samples(camera.img_size)
     rays = camera.unproject(q)
     visible, rho = _corrected_radii(radial, rays)
     a, b, c, s = polynomial(radial)
@@ -136,7 +131,7 @@ def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     distorted = half(camera) * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
     side = rays[visible, :2]
     side = side / np.maximum(np.hypot(side[:, 0], side[:, 1]), 1e-300)[:, None]
-    away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[visible], axis=1)
+    away = np.linalg.norm(radial.matrix[:2, 2] + side * distorted[:, None] - q[visible], axis=1)
     count = np.isfinite(rays).all(axis=1).sum()
     return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(visible.sum() / max(count, 1))
 
@@ -148,11 +143,10 @@ def is_lens(members: Members) -> bool:
 
 
 def distortions(data: Mapping[Any, Any]) -> list[Mapping[Any, Any]]:
-    """Return the distortions of a lens, one a focal length."""
+    """Return the distortions of a lens, one per focal length."""
     measured = data["calibration"]["distortion"]
-    return [
-        each for each in (measured if isinstance(measured, list) else [measured]) if isinstance(each, Mapping)
-    ]
+    several = measured if isinstance(measured, list) else [measured]
+    return [each for each in several if isinstance(each, Mapping)]
 
 
 def lens_name(data: Mapping[Any, Any], measured: Mapping[Any, Any]) -> str:
@@ -162,15 +156,13 @@ def lens_name(data: Mapping[Any, Any], measured: Mapping[Any, Any]) -> str:
     return " ".join(str(each) for each in words if isinstance(each, str))
 
 
-def read(
-    data: Mapping[Any, Any], measured: Mapping[Any, Any], img_size: tuple[int, int] | None
-) -> ImportedFile:
+def read(data: Mapping[Any, Any], measured: Mapping[Any, Any], options: ReaderOptions) -> ImportedFile:
     """Read a distortion of a lens: the closest camera for a picture; CalibrationError ``malformed``.
 
-    Source: Lensfun's manual, "Lens distortion models". Radii are in units of half the smaller side; the
-    distorted one is a function of the corrected one. Focal length and crop factor say how large the unit is.
+    Source: Lensfun's manual, "Lens distortion models". Focal length and crop factor say how large the unit
+    is.
     """
-    if img_size is None:
+    if options.img_size is None:
         raise text.refuse("a lens database knows no pictures: give their size (--img-size 6000x4000)")
     kind = data.get("type", "rectilinear")
     if kind not in ("rectilinear", ""):
@@ -179,7 +171,7 @@ def read(
 
     def value(name: str, default: float | None = None) -> float:
         held = values.get(name)
-        return float(text.floats(default if held is None else held, name, 1, 1)[0])
+        return text.scalar(default if held is None else held, name)
 
     distort: Callable[[Array], Array]
     if model == "ptlens":
@@ -194,13 +186,13 @@ def read(
     else:
         raise text.refuse(f"Lensfun's model {model[:40]!r} is not supported; ptlens, poly3 and poly5 are")
     lens = Members(data)
-    crop = float(text.floats(lens.get("cropfactor") or 1.0, "cropfactor", 1, 1)[0])
-    w, h = img_size
+    crop = text.scalar(lens.get("cropfactor") or 1.0, "cropfactor")
+    w, h = options.img_size
     focal, unit = value("focal"), (min(w, h) - 1) / 2
     if not (focal > 0 and crop > 0):
         raise text.refuse("focal length and crop factor must be positive")
     f = focal / (DIAGONAL / crop) * math.hypot(w - 1, h - 1) / unit
     shift = lens.get("center") if isinstance(lens.get("center"), Mapping) else {}
-    x, y = (float(text.floats(shift.get(axis, 0.0), axis, 1, 1)[0]) for axis in ("x", "y"))
+    x, y = (text.scalar(shift.get(axis, 0.0), axis) for axis in ("x", "y"))
     centre = ((w - 1) / 2 + x * unit, (h - 1) / 2 + y * unit)
-    return closest_camera(radial_corrected(distort, unit, f, centre), img_size, lens_name(data, measured))
+    return closest_camera(radial_corrected(distort, unit, f, centre), (w, h), lens_name(data, measured))

@@ -14,16 +14,14 @@ _RADIAL = ("none", "pinhole", "radial1", "radial3", "radialk1", "radialk3", "bro
 
 
 def is_intrinsic(members: Members) -> bool:
-    """True if a mapping is one of its intrinsics."""
-    return (
-        "distortionparams" in members
-        and "width" in members
-        and ("pxfocallength" in members or ("focallength" in members and "sensorwidth" in members))
-    ) or ("pxfocallength" in members and "principalpoint" in members)
+    """True if a mapping is an intrinsic."""
+    has_px = "pxfocallength" in members
+    has_focal = has_px or ("focallength" in members and "sensorwidth" in members)
+    is_new = has_focal and "distortionparams" in members and "width" in members
+    return is_new or (has_px and "principalpoint" in members)
 
 
 def _pair(value: object) -> object:
-    """Return the x and y of a mapping as a list; any other value as it is."""
     return [value.get("x"), value.get("y")] if isinstance(value, Mapping) else value
 
 
@@ -34,13 +32,12 @@ def read(data: Mapping[Any, Any]) -> ImportedFile:
     version 1.2 of the file the principal point is an offset from the middle of the image.
     """
     members = Members(data)
-    size = (text.count(members.get("width"), "width"), text.count(members.get("height"), "height"))
-    w, h = size
+    w, h = size = text.width_height((members.get("width"), members.get("height")))
     focal = text.floats(_pair(members.get("pxfocallength") or []), "pxFocalLength", 0, 2)
     if not len(focal):
-        sensor = float(text.floats(members.get("sensorwidth"), "sensorWidth", 1, 1)[0])
-        length = float(text.floats(members.get("focallength"), "focalLength", 1, 1)[0])
-        ratio = float(text.floats(members.get("pixelratio") or 1.0, "pixelRatio", 1, 1)[0])
+        sensor = text.scalar(members.get("sensorwidth"), "sensorWidth")
+        length = text.scalar(members.get("focallength"), "focalLength")
+        ratio = text.scalar(members.get("pixelratio") or 1.0, "pixelRatio")
         if not sensor > 0 or ratio != 1:
             raise text.refuse("sensorWidth must be positive, and pixelRatio 1")
         focal = np.array([length / sensor * w])

@@ -6,6 +6,7 @@ import io
 import math
 import zipfile
 from collections import defaultdict
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..view import View
 from . import text
 from .base import ANY_MODEL, Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv, matrix_of
+from .convert import all_points
 from .format import Format
 from .optimum import MIN_USED_POINTS, at_optimum, resect_used
 
@@ -37,14 +39,13 @@ OLD_NAMES = {
 MIN_NOTED_INFLATION = 1.2
 """Inflation from which mrcal's own uncertainty, which is that of white noise, is a tenth too small."""
 MAX_UNZIPPED_BYTES = 64_000_000
-"""Bytes that the measurements in a file may unpack to."""
 
 
 class Mrcal(Format):
     """A .cameramodel: a Python dictionary as text. The optimisation inputs are an npz in base 85.
 
-    With these mrcal's own tools work on the file: residuals, projection uncertainty, refitting. (Pixel
-    centres at whole numbers, as ours; a board's origin is its first corner, ours the board's edge.)
+    With these mrcal's own tools work on the file: residuals, projection uncertainty, refitting. Pixel centres
+    are at whole numbers, as ours; a board's origin is its first corner, ours the board's edge.
     """
 
     name = "mrcal"
@@ -52,12 +53,10 @@ class Mrcal(Format):
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"))
 
     def convert(self, source: ExportSource) -> Conversion:
-        """Return the closest camera, at the optimum of the points that it was fitted to."""
         conversion = super().convert(source)
         return at_optimum(source, conversion) if source.views and source.board else conversion
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the model."""
         c = conversion.camera
         lens_model = f"LENSMODEL_OPENCV{len(c.distortion)}"
         body = [
@@ -80,7 +79,7 @@ class Mrcal(Format):
         """Pack the arguments of mrcal.optimize() at the optimum."""
         across, down = board.squares[0] - 1, board.squares[1] - 1
         # Corners that were not seen have a negative weight: mrcal's mark of a point to be left out.
-        used = conversion.used or tuple(np.ones(len(view), dtype=bool) for view in source.views)
+        used = conversion.used or all_points(source.views)
         # A frame without points would have no pose.
         usable = [i for i, mask in enumerate(used) if mask.sum() >= MIN_USED_POINTS]
         views, used = [source.views[i] for i in usable], tuple(used[i] for i in usable)
@@ -93,7 +92,7 @@ class Mrcal(Format):
         n = len(views)
         indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)
         inputs: dict[str, Any] = {
-            "intrinsics": np.asarray(conversion.camera.intrinsics)[None],
+            "intrinsics": conversion.camera.intrinsics[None],
             "extrinsics_rt_fromref": np.zeros((0, 6)),
             "frames_rt_toref": poses,
             "points": "",
@@ -136,7 +135,6 @@ class CornersVnl(Format):
     constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the keypoints; `-` where a corner was not seen."""
         board = source.board
         if board is None or not source.views or board.kind == "aprilgrid":
             raise CalibrationError(
@@ -148,9 +146,8 @@ class CornersVnl(Format):
         ]
         for i, view in enumerate(source.views):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
-            corners = dict(
-                zip((row * (board.squares[0] - 1) + column).tolist(), view.image_points, strict=True)
-            )
+            numbers = row * (board.squares[0] - 1) + column
+            corners = dict(zip(numbers.tolist(), view.image_points, strict=True))
             for corner in range(board.corner_count):
                 at = corners.get(corner)
                 place = "- - -" if at is None else f"{text.number(at[0])} {text.number(at[1])} 0"
@@ -158,12 +155,17 @@ class CornersVnl(Format):
         return text.lines(self.comment(source, conversion), body)
 
 
+def is_model(content: str) -> bool:
+    """True if it is a .cameramodel: a Python dictionary with a lens model, under today's or an older name."""
+    names = ("lensmodel", "lens_model", "distortion_model")
+    return any(f"'{name}'" in content for name in names) or '"lensmodel":  ' in content
+
+
 def read(content: str) -> ImportedFile:
     """Read a .cameramodel, with its keypoints where it has them; CalibrationError ``malformed``."""
+    lines = (line for line in content.splitlines() if not line.lstrip().startswith("#"))
     try:
-        data = ast.literal_eval(
-            "\n".join(line for line in content.splitlines() if not line.lstrip().startswith("#"))
-        )
+        data = ast.literal_eval("\n".join(lines))
     except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError) as error:
         raise text.refuse(f"the file is not a Python dictionary: {type(error).__name__}") from None
     if isinstance(data, dict):  # what versions up to 1 called them
@@ -175,7 +177,7 @@ def read(content: str) -> ImportedFile:
     count = 4 + SIZES[lens_model]
     k = text.floats(text.member(data, "intrinsics"), "intrinsics", count, count)
     w, h = text.floats(text.member(data, "imagersize"), "imagersize", 2, 2)
-    matrix = matrix_of(k[0], k[1], k[2], k[3])
+    matrix = matrix_of(*k[:4])
     camera = camera_from_opencv(matrix, k[4:], (int(w), int(h)), fisheye=False)
     packed = data.get("optimization_inputs")
     number = data.get("icam_intrinsics", 0)
@@ -198,12 +200,8 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
         raise
     except Exception as error:  # noqa: BLE001 - parsers of ZIP, deflate and Python raise a dozen types
         raise text.refuse(f"optimization_inputs cannot be read: {type(error).__name__}") from None
-    if (
-        observed.ndim != 4
-        or observed.shape[3] != 3
-        or indices.shape != (len(observed), 3)
-        or not math.isfinite(spacing)
-    ):
+    is_shaped = observed.ndim == 4 and observed.shape[3] == 3 and indices.shape == (len(observed), 3)
+    if not (is_shaped and math.isfinite(spacing)):
         raise text.refuse("optimization_inputs have arrays of a wrong shape")
     column, row = np.meshgrid(np.arange(observed.shape[2]), np.arange(observed.shape[1]))
     points = np.stack([column + 1, row + 1, np.zeros_like(row)], axis=2).reshape(-1, 3) * (spacing or 1.0)
@@ -218,45 +216,42 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
 
 def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
     """Read a corners.vnl of a board of so many squares; CalibrationError ``malformed``."""
-    points: defaultdict[str, list[tuple[int, Array]]] = defaultdict(list)
-    blank: defaultdict[str, int] = defaultdict(int)
-    counted: defaultdict[str, int] = defaultdict(int)
+    pictures: defaultdict[str, list[Array | None]] = defaultdict(list)
     board = Board(squares)
-    for line in content.splitlines():
-        fields = line.split()
-        if not fields or fields[0].startswith("#"):
-            continue
+    for fields in _rows(content):
         if len(fields) < 3:
             raise text.refuse(f"a line has {len(fields)} fields, filename, x and y are needed")
-        corner = counted[fields[0]]
-        counted[fields[0]] += 1
+        corners = pictures[fields[0]]
         if "-" in fields[1:3] or (len(fields) > 3 and fields[3] in ("-", "-1")):
-            blank[fields[0]] += 1
+            corners.append(None)
             continue
         try:
-            q = text.floats([float(fields[1]), float(fields[2])], "a corner", 2, 2)
+            corners.append(text.floats([float(fields[1]), float(fields[2])], "a corner", 2, 2))
         except ValueError:
             raise text.refuse(f"{fields[1]} {fields[2]} are not pixels") from None
-        points[fields[0]].append((corner, q))
     # A picture without a board is a single line `img.jpg - - -`.
-    wrong = [n for n, lines in counted.items() if lines != board.corner_count and (lines, blank[n]) != (1, 1)]
-    if wrong or not counted:
+    with_board = [each for each in pictures.values() if len(each) > 1 or each[0] is not None]
+    if not pictures or any(len(each) != board.corner_count for each in with_board):
         raise text.refuse(
             f"every picture must have {board.corner_count} lines, one for each corner of the board"
         )
-    views = [
-        board.view([i for i, _ in corners], np.array([q for _, q in corners]))
-        for corners in points.values()
-        if corners
-    ]
+    views = []
+    for corners in with_board:
+        seen = {i: q for i, q in enumerate(corners) if q is not None}
+        if seen:
+            views.append(board.view(list(seen), np.array(list(seen.values()))))
     return ImportedFile(None, tuple(views))
 
 
 def is_corners(content: str) -> bool:
     """True if it looks like a table of corners: the first line with content has a name and a position."""
+    fields = next(_rows(content), [])
+    return len(fields) in (3, 4) and all(f == "-" or text.number_list(f) is not None for f in fields[1:])
+
+
+def _rows(content: str) -> Iterator[list[str]]:
+    """Yield the fields of each line with content."""
     for line in content.splitlines():
         fields = line.split()
-        if not fields or fields[0].startswith("#"):
-            continue
-        return len(fields) in (3, 4) and all(f == "-" or text.number_list(f) is not None for f in fields[1:])
-    return False
+        if fields and not fields[0].startswith("#"):
+            yield fields

@@ -14,11 +14,9 @@ class NativeJson(Format):
 
     name = "calibdb"
     suffix = ".json"
-    media_type = "application/json"
     constraints = ANY_MODEL
 
     def check(self, conversion: Conversion) -> Conversion:
-        """State which cameras WPIcal misreads: it takes any coefficients for OpenCV's."""
         if conversion.camera.model in ("rectilinear", "rational"):
             return conversion
         return replace(
@@ -28,7 +26,6 @@ class NativeJson(Format):
         )
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write all that the service answers, with the camera that is conversion."""
         c = conversion.camera
         return text.dump(
             {

@@ -9,16 +9,14 @@ from .format import Format
 
 
 class OpenCvYaml(Format):
-    """`%YAML:1.0`, matrices as `!!opencv-matrix`."""
+    """`%YAML:1.0`, matrices as `!!opencv-matrix`; omnidirectional cameras have `xi` and four coefficients."""
 
     name = "opencv-yaml"
     front_readers = "cv2.fisheye"
     suffix = ".yml"
-    media_type = "application/yaml"
     constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write plain members, then the matrices; omnidirectional cameras have `xi` and four coefficients."""
         body = [f"{key}: {_scalar(value)}" for key, value in members(source, conversion).items()]
         for key, value in matrices(conversion).items():
             body += yaml_matrix(key, value)
@@ -31,11 +29,9 @@ class OpenCvJson(Format):
     name = "opencv-json"
     front_readers = "cv2.fisheye"
     suffix = ".json"
-    media_type = "application/json"
     constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write plain members, then the matrices."""
         value: dict[str, object] = dict(members(source, conversion))
         for key, matrix in matrices(conversion).items():
             rows, columns = matrix.shape
@@ -83,8 +79,7 @@ def members(source: ExportSource, conversion: Conversion) -> dict[str, str | int
 def matrices(conversion: Conversion) -> dict[str, Array]:
     """Return the matrices of the file."""
     c = conversion.camera
-    result = {"camera_matrix": np.asarray(c.matrix)}
-    d = np.asarray(c.distortion)
+    result, d = {"camera_matrix": c.matrix}, c.distortion
     if c.model == "omnidirectional":
         result["xi"], d = d[:1, None], d[1:]
     # cv2.fisheye wants a column of four, everything else takes a row

@@ -10,16 +10,14 @@ from .format import Format
 
 
 class OpenSfm(Format):
-    """`brown` and `fisheye_opencv` cameras."""
+    """One `brown` or `fisheye_opencv` camera under the source's name."""
 
     name = "opensfm"
     front_readers = "OpenSfM"
     suffix = ".json"
-    media_type = "application/json"
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("fisheye"))
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write one camera under the source's name."""
         value = members(conversion.camera)
         if conversion.warning:
             value["warning"] = conversion.warning
@@ -28,17 +26,17 @@ class OpenSfm(Format):
 
 def members(camera: Camera) -> dict[str, object]:
     """Return the members of a rectilinear camera or a fisheye."""
-    (w, h), k = camera.img_size, camera.matrix
+    (w, h), (fx, fy, cx, cy) = camera.img_size, camera.intrinsics[:4]
     side = max(w, h)
     names = ("k1", "k2", "p1", "p2", "k3") if camera.model == "rectilinear" else ("k1", "k2", "k3", "k4")
     return {
         "projection_type": "brown" if camera.model == "rectilinear" else "fisheye_opencv",
         "width": w,
         "height": h,
-        "focal_x": k[0, 0] / side,
-        "focal_y": k[1, 1] / side,
-        "c_x": (k[0, 2] - (w - 1) / 2) / side,
-        "c_y": (k[1, 2] - (h - 1) / 2) / side,
+        "focal_x": fx / side,
+        "focal_y": fy / side,
+        "c_x": (cx - (w - 1) / 2) / side,
+        "c_y": (cy - (h - 1) / 2) / side,
         **dict(zip(names, camera.distortion.tolist(), strict=True)),
     }
 
@@ -46,17 +44,14 @@ def members(camera: Camera) -> dict[str, object]:
 def read(data: object) -> ImportedFile:
     """Read one parsed camera; CalibrationError ``malformed``."""
     kind = text.member(data, "projection_type")
-    size = (
-        text.count(text.member(data, "width"), "width"),
-        text.count(text.member(data, "height"), "height"),
-    )
+    size = text.width_height((text.member(data, "width"), text.member(data, "height")))
     if kind not in ("brown", "perspective", "simple_radial", "radial", "fisheye", "fisheye_opencv"):
         raise text.refuse(f"OpenSfM's projection_type {str(kind)[:40]!r} is not supported")
     values = dict(data) if isinstance(data, dict) else {}
 
     def value(*names: str) -> float:
         number = next((values[name] for name in names if name in values), 0.0)
-        return float(text.floats(number, names[0], 1, 1)[0])
+        return text.scalar(number, names[0])
 
     side, fisheye = max(size), kind in ("fisheye", "fisheye_opencv")
     fx, fy = value("focal_x", "focal") * side, value("focal_y", "focal", "focal_x") * side

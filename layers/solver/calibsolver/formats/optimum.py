@@ -12,7 +12,7 @@ from ..fitting import resection
 from ..fitting.fit import refine
 from ..view import View
 from .base import Conversion, ExportSource, ModelConstraint
-from .convert import compare, fit_constrained
+from .convert import all_points, compare, fit_constrained
 
 MIN_USED_POINTS = 6
 """Points of a view with which it counts."""
@@ -24,29 +24,27 @@ def at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
     A camera that the file holds exactly stays as it is: its fit ended there but for a weak prior.
     """
     camera = conversion.camera
-    used = conversion.used or used_points(camera, source.views)
+    used = conversion.used or _used_points(camera, source.views)
     if conversion.error == 0:
         return replace(conversion, used=used)
     subsets = [v.subset(m) for v, m in zip(source.views, used, strict=True)]
     views = tuple(view for view in subsets if len(view) >= MIN_USED_POINTS)
-    everything = tuple(np.ones(len(view), dtype=bool) for view in views)
     try:
-        better = fit_constrained(camera, ModelConstraint(camera.model), views, everything)
+        better = fit_constrained(camera, ModelConstraint(camera.model), views, all_points(views))
         return replace(compare(source.camera, better), used=used)
     except (CalibrationError, np.linalg.LinAlgError):
         return replace(conversion, used=used)
 
 
-def used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
-    """Return for each view which points (n,) a robust fit at a camera keeps; all where it fails."""
-    everything = tuple(np.ones(len(view), dtype=bool) for view in views)
+def _used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
+    """Return for each view which points (n,) a robust fit at a camera keeps; all if it fails."""
     try:
         poses = resection.reprojection_score(camera, views).poses
-        if not np.isfinite(poses).all():
-            return everything
-        return refine(views, camera, poses).used
+        if np.isfinite(poses).all():
+            return refine(views, camera, poses).used
     except CalibrationError:
-        return everything
+        pass
+    return all_points(views)
 
 
 def resect_used(camera: Camera, views: Sequence[View], used: Sequence[Mask]) -> Array:

@@ -15,7 +15,6 @@ from .coefficients import camera_from_opencv
 from .format import Format
 
 VIEWS, POINTS = 1000, 10_000
-"""More than any capture has."""
 
 
 class PhotonVision(Format):
@@ -23,18 +22,16 @@ class PhotonVision(Format):
 
     name = "photonvision"
     suffix = ".json"
-    media_type = "application/json"
     constraints = (ModelConstraint("rectilinear"), ModelConstraint("rational"))
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the camera and the keypoints."""
         c = conversion.camera
         board = source.board.squares if source.board else (0, 0)
         return text.dump(
             {
                 "resolution": {"width": float(c.img_size[0]), "height": float(c.img_size[1])},
-                "cameraIntrinsics": _matrix(np.asarray(c.matrix)),
-                "distCoeffs": _matrix(np.asarray(c.distortion)[None]),
+                "cameraIntrinsics": _matrix(c.matrix),
+                "distCoeffs": _matrix(c.distortion[None]),
                 "calobjectWarp": [0.0, 0.0],
                 "observations": self._observations(source, conversion),
                 "calobjectSize": {"width": float(board[0]), "height": float(board[1])},
@@ -48,17 +45,16 @@ class PhotonVision(Format):
     def _observations(source: ExportSource, conversion: Conversion) -> list[dict[str, Any]]:
         if not source.views:
             return []
-        found, model = [], models.get(conversion.camera.model)
-        for i, (view, rt) in enumerate(
-            zip(
-                source.views, resection.reprojection_score(conversion.camera, source.views).poses, strict=True
-            )
-        ):
+        found, camera = [], conversion.camera
+        poses = resection.reprojection_score(camera, source.views).poses
+        for i, (view, rt) in enumerate(zip(source.views, poses, strict=True)):
             is_posed = bool(np.isfinite(rt).all())  # points on a line may have no pose
             rt = rt if is_posed else np.array([0, 0, 0, 0, 0, 1.0])
             r = rotation.matrix(rt[None, :3])[0]
             # the bare formula: a corner may lie just beyond where the model is one-to-one
-            seen = model.project(conversion.camera.intrinsics, r @ view.object_points.T + rt[3:, None]).T
+            seen = (
+                models.get(camera.model).project(camera.intrinsics, r @ view.object_points.T + rt[3:, None]).T
+            )
             residuals = seen - view.image_points if is_posed else np.zeros_like(view.image_points)
             found.append(
                 {
@@ -67,9 +63,7 @@ class PhotonVision(Format):
                     "reprojectionErrors": [_point(e) for e in residuals],
                     "optimisedCameraToObject": {
                         "translation": _point(rt[3:]),
-                        "rotation": {
-                            "quaternion": dict(zip("WXYZ", quaternion(rt[:3]).tolist(), strict=True))
-                        },
+                        "rotation": {"quaternion": _point(quaternion(rt[:3]), "WXYZ")},
                     },
                     "cornersUsed": [True] * len(view),
                     "snapshotName": f"{source.name}, view {i}",
@@ -83,8 +77,8 @@ def _matrix(m: Array) -> dict[str, object]:
     return {"rows": m.shape[0], "cols": m.shape[1], "type": 6, "data": m.ravel().tolist()}
 
 
-def _point(p: Array) -> dict[str, float]:
-    return dict(zip("xyz", p.tolist(), strict=False))
+def _point(p: Array, names: str = "xyz") -> dict[str, float]:
+    return dict(zip(names, p.tolist(), strict=False))
 
 
 def quaternion(rvec: Array) -> Array:
@@ -96,10 +90,8 @@ def quaternion(rvec: Array) -> Array:
 
 def read(data: object) -> ImportedFile:
     """Read a parsed file; CalibrationError ``malformed``."""
-    size = (
-        text.count(text.member(data, "resolution", "width"), "resolution.width"),
-        text.count(text.member(data, "resolution", "height"), "resolution.height"),
-    )
+    names = ("resolution.width", "resolution.height")
+    size = text.width_height((text.member(data, *name.split(".")) for name in names), names)
     k = text.floats(text.member(data, "cameraIntrinsics", "data"), "cameraIntrinsics", 9, 9).reshape(3, 3)
     key = "distCoeffs" if isinstance(data, dict) and "distCoeffs" in data else "cameraExtrinsics"
     d = text.floats(text.member(data, key, "data"), key, 0, 14)
@@ -118,9 +110,8 @@ def _view(item: object) -> View:
         view = View(p, q)
     except ValueError as error:
         raise text.refuse(f"an observation makes no sense: {error}") from None
-    keep: Mask = np.asarray(
-        (q >= -0.5).all(axis=1)
-    )  # corners that were not seen are written as negative pixels
+    # Corners that were not seen are written as negative pixels.
+    keep: Mask = np.asarray((q >= -0.5).all(axis=1))
     if isinstance(used, list) and len(used) == len(p):
         keep &= np.array([bool(flag) for flag in used])
     return view.subset(keep)

@@ -1,7 +1,7 @@
 """Ray fit: the camera of another model whose projections of an image's rays are closest to their pixels.
 
-In the frame of that camera: a turn, which a fit to keypoints is free to make, would be a shift of all that
-is seen, and in a rig would contradict the poses of the cameras.
+In the frame of that camera: a turn, which a fit to keypoints is free to make, would be a shift of all that is
+seen, and in a rig would contradict the poses of the cameras.
 """
 
 import numpy as np
@@ -19,7 +19,6 @@ from .base import ModelConstraint
 SAMPLE_GRID = (33, 25)
 """Columns and rows of the pixels at which cameras are fitted to each other, the image's edge among them."""
 MAX_FOLLOWED = 3
-"""Starts that are followed to their optimum."""
 OPTIONS = Options(with_prior=False, iterations=100, tolerance=1e-5, damping=1e-6)
 """Of one fit: valleys of denominators are long."""
 
@@ -47,7 +46,7 @@ def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array
 def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
     """Fit the camera of a constraint that draws the picture most alike, by least squares over the image.
 
-    Raises CalibrationError ``not_representable`` if none comes of it.
+    Raises as `fit_samples` does.
     """
     rays, q = sampled_rays(camera, models.get(constraint.model).max_angle)
     return fit_samples(rays, q, camera.img_size, constraint, camera)
@@ -58,7 +57,7 @@ def fit_samples(
 ) -> Camera:
     """Fit the camera of a constraint to unit rays (3, n) and their pixels (2, n); `near` may be near.
 
-    Raises CalibrationError ``not_representable`` if none comes of it.
+    Raises CalibrationError ``not_representable`` if the fit diverges.
     """
     model = models.get(constraint.model)
     observations = Observations(rays[None], q[None], np.ones((1, q.shape[1]), dtype=bool))
@@ -76,12 +75,8 @@ def fit_samples(
 
 def free_directions(model: Model, constraint: ModelConstraint) -> Array:
     """T (p, a): fx fy cx cy and the coefficients that a constraint leaves free; intrinsics are T a."""
-    directions = [
-        i
-        for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients))
-        if name not in constraint.zero
-    ]
-    free = np.eye(model.size)[:, directions]
+    names = ("fx", "fy", "cx", "cy", *model.coefficients)
+    free = np.eye(model.size)[:, [name not in constraint.zero for name in names]]
     if constraint.equal_focal:
         free = np.delete(free, 1, axis=1)
         free[1, 0] = 1

@@ -3,7 +3,7 @@
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -68,7 +68,6 @@ def has_member(data: object, key: str) -> bool:
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][-+]?\d+)?f?", re.ASCII)
 MAX_NUMBERS_TEXT = 100_000
-"""Characters of numbers in one text."""
 MAX_NUMBER_LENGTH = 100
 """Characters of one number: a float in full precision has 25."""
 
@@ -84,9 +83,9 @@ def number_list(value: str) -> list[float] | None:
 
 
 def floats(value: object, name: str, min_count: int = 0, max_count: int = 1_000_000) -> Array:
-    """Return nested lists of numbers as one flat array; ``malformed`` for anything else, NaN among it.
+    """Return nested lists of numbers, or of texts of numbers, as one flat array; else raise ``malformed``.
 
-    Numbers may be written as texts: in some files they are.
+    NaN and numbers that no camera has are refused too.
     """
     flat: list[float] = []
 
@@ -112,9 +111,20 @@ def floats(value: object, name: str, min_count: int = 0, max_count: int = 1_000_
     return np.array(flat)
 
 
+def scalar(value: object, name: str) -> float:
+    """Return one number; ``malformed`` for anything else."""
+    return float(floats(value, name, 1, 1)[0])
+
+
+def width_height(sides: Iterable[object], names: Sequence[str] = ("width", "height")) -> tuple[int, int]:
+    """Return the size of an image; `names` are those of its sides in errors."""
+    width, height = (count(side, name) for side, name in zip(sides, names, strict=True))
+    return width, height
+
+
 def count(value: object, name: str) -> int:
     """Return a whole number of 1 to 65,536."""
-    size = floats(value, name, 1, 1)[0]
+    size = scalar(value, name)
     if not (size == int(size) and 1 <= size <= 65_536):
         raise refuse(f"{name} must be a whole number of 1 to 65536")
     return int(size)

@@ -5,15 +5,12 @@ from __future__ import annotations
 import codecs
 import json
 import re
-from collections.abc import Callable
-from typing import Any, Literal
 
 import yaml
 from yaml.events import AliasEvent
 from yaml.nodes import MappingNode, Node, SequenceNode
 
 from ..errors import CalibrationError
-from .artoolkit import is_parameters
 from .text import refuse
 
 _MAX_YAML_BYTES = 2**20  # bytes; one camera is a few hundred
@@ -29,31 +26,6 @@ _BINARY = {
     b"\xff\xd8": "a picture, no text",
 }
 """First bytes of files that hold no text, and the remedy for each."""
-
-
-Form = Literal["archive", "binary", "text", "values"]
-"""Content of a file: bytes of an archive or a binary file, a text of a form of its own, or values."""
-
-
-def parse(raw: bytes, suffix: str, is_text_kind: Callable[[str], bool]) -> tuple[Form, Any]:
-    """Parse a file to its form and content.
-
-    `suffix` as of its name. `is_text_kind` recognises texts that are neither JSON nor YAML.
-
-    Raises CalibrationError ``malformed``, which says what is wrong with it.
-    """
-    if raw.startswith(b"PK\x03\x04"):
-        return "archive", raw
-    if is_parameters(raw):
-        return "binary", raw
-    content = decode(raw)
-    if content.lstrip()[:1] in ("{", "["):
-        parsed = parse_json(content, suffix)
-        if parsed is not None:
-            return "values", parsed
-    if suffix == ".vnl" or is_text_kind(content):
-        return "text", content
-    return "values", parse_yaml(content)
 
 
 def decode(raw: bytes) -> str:
@@ -79,7 +51,7 @@ def decode(raw: bytes) -> str:
 
 
 def parse_json(content: str, suffix: str) -> object:
-    """Parse JSON; None if it is none, and may be YAML or a Python dictionary."""
+    """Parse JSON; None if it may be YAML or a Python dictionary."""
     try:
         value: object = json.loads(content)
     except json.JSONDecodeError as error:
@@ -97,7 +69,7 @@ def parse_json(content: str, suffix: str) -> object:
 
 
 class _Loader(yaml.SafeLoader):
-    """No aliases (a few hundred bytes of them stand for gigabytes), no great depth; OpenCV's matrices."""
+    """Without aliases (a few hundred bytes of them stand for gigabytes) and great depth."""
 
     depth = 0
 
@@ -161,7 +133,6 @@ def _plain_yaml(content: str) -> str:
 
 
 def _one_line(error: yaml.YAMLError) -> str:
-    """Say in one line what is wrong, and where."""
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     what = getattr(error, "problem", None) or getattr(error, "context", None) or str(error).split("\n", 1)[0]
     return f"{what}, in line {mark.line + 1}" if mark else str(what)

@@ -19,7 +19,7 @@ def projection_matrix(camera: Camera, near: float = NEAR, far: float = FAR) -> A
 
     Column vectors; clip space as in WebXR: x right, y up, the view frame diag(1, -1, -1) times ours.
     """
-    (w, h), k = camera.img_size, np.asarray(camera.matrix)
+    (w, h), k = camera.img_size, camera.matrix
     p = np.zeros((4, 4))
     p[0, 0], p[1, 1] = 2 * k[0, 0] / w, 2 * k[1, 1] / h
     # pixel centres are at whole numbers, the edge of the viewport is half a pixel further out
@@ -33,17 +33,15 @@ class WebXr(Format):
 
     name = "webxr"
     suffix = ".json"
-    media_type = "application/json"
     constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the attributes, and the projection matrix that goes with them."""
         c = conversion.camera
         return text.dump(
             {
                 "camera": source.name,
                 "viewport": {"x": 0, "y": 0, "width": c.img_size[0], "height": c.img_size[1]},
-                "cameraMatrix": np.asarray(c.matrix).ravel(order="F").tolist(),
+                "cameraMatrix": c.matrix.ravel(order="F").tolist(),
                 "distortionModel": c.model,
                 "distortionCoefficients": c.distortion.tolist(),
                 "depthNear": NEAR,
@@ -59,20 +57,17 @@ class Gltf(Format):
 
     name = "gltf"
     suffix = ".gltf"
-    media_type = "model/gltf+json"
     constraints = ANY_MODEL
 
     def convert(self, source: ExportSource) -> Conversion:
-        """Return the centred pinhole that other programs reconstruct from the file's two numbers."""
         c = source.camera
         (w, h), matrix = c.img_size, np.array(c.matrix)
         matrix[:2, 2] = (w - 1) / 2, (h - 1) / 2
         return compare(c, Camera("rectilinear", matrix, np.zeros(5), c.img_size))
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        """Write the scene."""
         c = source.camera
-        (w, h), k = c.img_size, np.asarray(c.matrix)
+        (w, h), k = c.img_size, c.matrix
         camera = {
             "name": source.name,
             "type": "perspective",

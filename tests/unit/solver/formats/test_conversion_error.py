@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, Camera, View, fit, formats, image_transform, models
+from calibsolver import Board, CalibrationError, Camera, View, fit, formats, image_transform, models
 from calibsolver.fitting.levenberg_marquardt import Options, Problem
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
@@ -28,10 +28,6 @@ TURNS = {
 """Transforms of pictures of a size."""
 
 
-def held(source: ExportSource, name: str) -> formats.Conversion:
-    return formats.FORMATS[name].convert(source)
-
-
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("cropped", [False, True])
 def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, cropped: bool) -> None:
@@ -40,7 +36,7 @@ def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, croppe
     grids = [image_rays(source.camera, *GRID, border=border) for border in (0.0, 0.5)]
     for name in ("kalibr", "gyroflow", "gltf", "photonvision", "artoolkit", "mrcal"):
         try:
-            conversion = held(source, name)
+            conversion = formats.FORMATS[name].convert(source)
         except CalibrationError:
             continue  # it cannot hold this camera
         other = models.get(conversion.camera.model)
@@ -53,17 +49,15 @@ def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, croppe
             assert away.max() <= conversion.error + 1e-9, name
 
 
+def fisheye(fx: float) -> Camera:
+    k = np.array([fx, 1.002 * fx, 660, 450, 0.02, -0.01, 0.003, -0.001])
+    return Camera.from_intrinsics("fisheye", k, (1280, 960))
+
+
 @cache
 def wide() -> ExportSource:
     """A fisheye whose views reach beyond what a planar model can hold, calibrated from them."""
-    camera = Camera(
-        "fisheye",
-        np.array([[420.0, 0, 660], [0, 420.8, 450], [0, 0, 1]]),
-        np.array([0.02, -0.01, 0.003, -0.001]),
-        (1280, 960),
-    )
-    board = subject("fisheye").board
-    assert board is not None
+    camera, board = fisheye(420), Board()
     views = captured(camera, board, count=12, noise=0.15)
     return ExportSource(fit(views, camera.img_size, "fisheye").camera, views, board)
 
@@ -113,7 +107,7 @@ def test_mrcal_inputs_of_a_wide_fisheye_are_at_their_optimum(turn: str) -> None:
     before, after = rms_before_and_after(inputs(file))
     assert before < 1.01 * after
     assert after < 0.25
-    assert file.error == pytest.approx(held(wide(), "mrcal").error, rel=1e-9)
+    assert file.error == pytest.approx(formats.FORMATS["mrcal"].convert(wide()).error, rel=1e-9)
 
 
 def test_mrcal_inputs_of_real_photographs_are_at_their_optimum() -> None:
@@ -134,11 +128,9 @@ def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
 
 def test_transform_is_a_crop_and_resize_then_a_turn() -> None:
     part = image_transform.crop(IMG_SIZE, (100, 60), (800, 500))
-    transform = (
-        part.then(image_transform.resize((800, 500), (400, 300)))
-        .then(image_transform.rotate((400, 300), 270))
-        .then(image_transform.mirror((300, 400)))
-    )
+    resized = part.then(image_transform.resize((800, 500), (400, 300)))
+    turned = resized.then(image_transform.rotate((400, 300), 270))
+    transform = turned.then(image_transform.mirror((300, 400)))
     upright, turn = transform.split()
     assert upright.img_size == (400, 300)
     assert (np.diag(upright.linear) > 0).all()
@@ -157,17 +149,9 @@ def test_kalibr_file_with_a_centre_outside_is_refused() -> None:
     "name", ["opencv-yaml", "opencv-json", "ros", "kalibr", "colmap", "opensfm", "gyroflow"]
 )
 def test_files_say_where_their_tools_cannot_project(name: str) -> None:
-    camera = Camera(
-        "fisheye",
-        np.array([[280.0, 0, 660], [0, 280.0, 450], [0, 0, 1]]),
-        np.array([0.02, -0.01, 0.003, -0.001]),
-        (1280, 960),
-    )
-    warning = formats.write(ExportSource(camera), name).warning
-    assert warning is not None
-    assert "cannot project rays at 90 degrees" in warning
-    narrow = written("rectilinear", "ros")
-    assert narrow.warning is None
+    warning = formats.write(ExportSource(fisheye(280)), name).warning
+    assert "cannot project rays at 90 degrees" in str(warning)
+    assert written("rectilinear", "ros").warning is None
 
 
 def test_file_says_where_wpical_is_no_reader() -> None:
@@ -183,6 +167,6 @@ def test_another_model_is_fitted_in_the_boards_shape(number: int) -> None:
     camera = synthetic.rectilinear_cameras()[number]
     views = populations.views(camera, np.random.default_rng(0), count=8, hand=hands.BENT)
     own = fit(views, camera.img_size).camera
-    conversion = held(ExportSource(own, tuple(views)), "gyroflow")
+    conversion = formats.FORMATS["gyroflow"].convert(ExportSource(own, tuple(views)))
     assert conversion.camera.model == "fisheye"
     assert synthetic.rms_error(camera, conversion.camera) < 0.4

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera
-from calibsolver.formats import FORMATS, ExportSource
+from calibsolver.formats import ExportSource, write
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
 
@@ -166,22 +166,16 @@ def test_meshroom_of_both_ages_is_read(dictionary: bool) -> None:
         "distortionType": "radialk3",
     }
     for intrinsic in (old, new):
-        camera = read_bytes(
-            json.dumps({"version": ["1", "2", "6"], "intrinsics": [intrinsic]}).encode()
-        ).camera
+        document = {"version": ["1", "2", "6"], "intrinsics": [intrinsic]}
+        camera = read_bytes(json.dumps(document).encode()).camera
         assert camera is not None
         assert camera.intrinsics == pytest.approx([900, 900, 649.5, 351.5, -0.2, 0.05, 0, 0, 0.01])
 
 
 def test_artoolkits_binary_file_is_read_back() -> None:
-    camera = Camera(
-        "rectilinear",
-        np.array([[900.0, 0, 650], [0, 905, 350], [0, 0, 1]]),
-        np.array([-0.2, 0.05, 0.001, -0.002, 0]),
-        (1280, 720),
-    )
-    form, source = FORMATS["artoolkit"], ExportSource(camera)
-    raw = form.write(source, form.convert(source))
+    k = np.array([900.0, 905, 650, 350, -0.2, 0.05, 0.001, -0.002, 0])
+    camera = Camera.from_intrinsics("rectilinear", k, (1280, 720))
+    raw = write(ExportSource(camera), "artoolkit").content
     result = read_bytes(raw, ".dat").camera
     assert result is not None
     assert result.intrinsics == pytest.approx(camera.intrinsics)

@@ -13,8 +13,6 @@ from infra.ops import OpsError
 from infra.ops.imports import read_file
 from tests.helpers.data import data_dir, external_data
 
-K = "900. 0. 630. 0. 905. 350. 0. 0. 1."
-LIST = "[900., 0., 630., 0., 905., 350., 0., 0., 1.]"
 NESTED = [[900.0, 0.0, 630.0], [0.0, 905.0, 350.0], [0.0, 0.0, 1.0]]
 D = [-0.2, 0.05, 0.001, -0.001, 0.01]
 FISHEYE = [0.02, -0.01, 0.003, -0.001]
@@ -130,46 +128,29 @@ def gyroflow(**members: object) -> str:
 
 
 def test_gyroflow_anamorphic_picture_is_compressed_again(tmp_path: Path) -> None:
-    found = imported(
-        tmp_path, "g.json", gyroflow(input_horizontal_stretch=2.0, input_vertical_stretch=0)
-    ).camera
+    stretched = gyroflow(input_horizontal_stretch=2.0, input_vertical_stretch=0)
+    found = imported(tmp_path, "g.json", stretched).camera
     assert found is not None
     assert found.img_size == SIZE
     assert np.allclose(found.intrinsics[:4], [900, 905, 640, 360])
+
+
+def camera(**members: object) -> str:
+    return json.dumps({"fx": 900, "fy": 905, "cx": 630, "cy": 350, "size": SIZE, **members})
 
 
 REFUSED = {
     "superview.json": (gyroflow(digital_lens="gopro_superview"), "digital lens .gopro_superview"),
     "old.json": (gyroflow(is_superview=True), "digital lens"),
     "ptlens.json": (gyroflow(distortion_model="ptlens"), "ptlens"),
-    "ds.json": (
-        json.dumps({"camera_type": "ds", "fx": 900, "fy": 905, "cx": 630, "cy": 350, "size": SIZE}),
-        "'ds' is not",
-    ),
-    "scaramuzza.yaml": (
-        "model_type: scaramuzza\nimage_width: 1280\nimage_height: 720\nK: " + LIST,
-        "scaramuzza.* is not supported",
-    ),
+    "ds.json": (camera(camera_type="ds"), "'ds' is not"),
+    "scaramuzza.json": (camera(model_type="scaramuzza"), "scaramuzza.* is not supported"),
     "inverse.json": (
-        json.dumps(
-            {
-                "width": 1280,
-                "height": 720,
-                "fx": 900,
-                "fy": 905,
-                "ppx": 630,
-                "ppy": 350,
-                "coeffs": D,
-                "model": "distortion.inverse_brown_conrady",
-            }
-        ),
+        camera(coeffs=D, model="distortion.inverse_brown_conrady"),
         "inverse_brown_conrady",
     ),
     "fov.yaml": ((FILES / "several" / "chain.yaml").read_text().replace("equidistant", "fov"), "fov"),
-    "millimetres.json": (
-        json.dumps({"fx": 3.6, "fy": 3.6, "cx": 640, "cy": 360, "size": SIZE}),
-        "millimetres",
-    ),
+    "millimetres.json": (camera(fx=3.6, fy=3.6), "millimetres"),
     "settings.xml": (
         "<opencv_storage><Settings><BoardSize_Width>9</BoardSize_Width><Calibrate_Pattern>CHESSBOARD"
         "</Calibrate_Pattern></Settings></opencv_storage>",
@@ -183,10 +164,7 @@ REFUSED = {
     "pickle.pkl": (b"\x80\x04\x95", "pickle"),
     "ros.tar.gz": (b"\x1f\x8b\x08\x00", "unpack"),
     "matlab.mat": (b"MATLAB 5.0 MAT-file, Platform", "MATLAB"),
-    "contradiction.json": (
-        json.dumps({"K": NESTED, "D": [1, 2, 3, 4, 5, 6, 7, 8, 9], "size": SIZE}),
-        "coefficients",
-    ),
+    "contradiction.json": (camera(D=list(range(1, 10))), "coefficients"),
     "numpy.yaml": (
         "mtx: !!python/object/apply:numpy.core.multiarray._reconstruct\n- !!python/name:numpy.ndarray ''\n",
         "tolist",
@@ -227,24 +205,13 @@ def test_mrcal_1_names_are_known(tmp_path: Path, name: str, member: str, prefix:
 
 def test_table_with_pictures_without_a_board_is_read(tmp_path: Path) -> None:
     rows = [f"img1.jpg {100 + 40 * (i % 7)}.5 {90 + 40 * (i // 7)} 0" for i in range(49)]
-    content = "\n".join(
-        [
-            "## generated with mrgingham --gridn 7",
-            "# filename x y level",
-            "img0.jpg - - -",
-            *rows,
-            "img2.jpg - - -",
-        ]
-    )
-    found = imported(tmp_path, "corners.vnl", content, ReaderOptions(squares=(8, 8)))
+    head = ["## generated with mrgingham --gridn 7", "# filename x y level", "img0.jpg - - -"]
+    content = "\n".join([*head, *rows, "img2.jpg - - -"])
+    options = ReaderOptions(squares=(8, 8))
+    found = imported(tmp_path, "corners.vnl", content, options)
     assert [len(view) for view in found.views] == [49]
     with pytest.raises(OpsError, match="49 lines"):
-        imported(
-            tmp_path,
-            "corners.vnl",
-            content.replace("img2.jpg - - -", "img2.jpg 1 2 0"),
-            ReaderOptions(squares=(8, 8)),
-        )
+        imported(tmp_path, "corners.vnl", content.replace("img2.jpg - - -", "img2.jpg 1 2 0"), options)
 
 
 #: genuine files that are no calibration, or of a model that is not known here
@@ -257,9 +224,7 @@ def test_genuine_calibrations_are_accepted_and_others_refused() -> None:
     refused = {}
     for path in files:
         try:
-            found = read_file(
-                path, ReaderOptions(squares=(8, 8)) if path.suffix == ".vnl" else ReaderOptions()
-            )
+            found = read_file(path, ReaderOptions(squares=(8, 8)))
         except OpsError as error:
             refused[path.name] = str(error)
         else:

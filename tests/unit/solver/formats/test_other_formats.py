@@ -1,8 +1,6 @@
-"""mrcal, Lensfun, DNG, ARToolKit, WebXR and glTF: what their own arithmetic makes of our files."""
+"""mrcal, Lensfun, DNG, ARToolKit, WebXR and glTF: what they, or their arithmetic, make of our files."""
 
 import ast
-import base64
-import io
 import json
 import math
 import struct
@@ -17,15 +15,12 @@ from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import lensfun as lensfun_format
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reading import read, read_text
-from calibsolver.formats.web import projection_matrix
+from calibsolver.formats.reading import read_bytes
+from tests.helpers.node import run_module
 from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject, written
+from tests.unit.solver.formats.test_conversion_error import inputs
 
 W, H = IMG_SIZE
-
-
-def calibrated(model: str) -> Camera:
-    return subject(model).camera
 
 
 # ---- mrcal
@@ -39,14 +34,13 @@ def test_mrcal_model_has_every_member_of_the_reader(model: str) -> None:
     assert len(data["intrinsics"]) == 4 + sizes[data["lensmodel"]]
     assert data["imagersize"] == [W, H]
     assert data["extrinsics"] == data["rt_cam_ref"] == [0] * 6
-    assert isinstance(data["optimization_inputs"], bytes)
     assert data["icam_intrinsics"] == 0
-    with np.load(io.BytesIO(base64.b85decode(data["optimization_inputs"])), allow_pickle=False) as inputs:
-        seen = inputs["observations_board"]
-        assert seen.shape == (len(mine.views), 5, 8, 3)
-        assert int((seen[..., 2] > 0).sum()) == sum(len(view) for view in mine.views)
-        # the poses are those of the corner grid, whose origin is its first corner
-        rt, k, d = inputs["frames_rt_toref"][0], data["intrinsics"][:4], data["intrinsics"][4:]
+    arrays = inputs(file)
+    seen = arrays["observations_board"]
+    assert seen.shape == (len(mine.views), 5, 8, 3)
+    assert int((seen[..., 2] > 0).sum()) == sum(len(view) for view in mine.views)
+    # the poses are those of the corner grid, whose origin is its first corner
+    rt, k, d = arrays["frames_rt_toref"][0], data["intrinsics"][:4], data["intrinsics"][4:]
     column, row = np.meshgrid(np.arange(8.0), np.arange(5.0))
     points = np.stack([column, row, np.zeros_like(row)], axis=2).reshape(-1, 3)
     matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
@@ -71,17 +65,11 @@ def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
     turned = image_transform.rotate(IMG_SIZE, 90).then(image_transform.mirror((H, W)))
     for name in ("mrcal", "corners-vnl", "photonvision"):
         file = formats.write(mine, name, turned)
-        text = file.content.decode()
-        found = (
-            read(json.loads(text))
-            if name == "photonvision"
-            else read_text(text, ReaderOptions(squares=(9, 6)))
-        )
+        found = read_bytes(file.content, options=ReaderOptions(squares=(9, 6)))
         assert grid(found.views).squares == (9, 6)
         assert sum(len(view) for view in found.views) == sum(len(view) for view in mine.views)
-        assert reprojection_score(turned.camera(mine.camera), found.views).rms == pytest.approx(
-            mine.rms, rel=1e-6
-        )
+        rms = reprojection_score(turned.camera(mine.camera), found.views).rms
+        assert rms == pytest.approx(mine.rms, rel=1e-6)
 
 
 # ---- Lensfun
@@ -89,7 +77,7 @@ def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_lensfun_maps_the_corrected_picture_to_ours(model: str) -> None:
-    file, camera = written(model, "lensfun"), calibrated(model)
+    file, camera = written(model, "lensfun"), subject(model).camera
     database = lensfunpy.Database(xml=file.content.decode(), load_common=False, load_bundled=False)
     (body,) = database.find_cameras("calibDB", subject(model).name, loose_search=True)
     (lens,) = database.find_lenses(body, "calibDB", subject(model).name, loose_search=True)
@@ -100,13 +88,12 @@ def test_lensfun_maps_the_corrected_picture_to_ours(model: str) -> None:
     radial = formats.FORMATS["lensfun"].convert(subject(model)).camera
     s, f = lensfun_format.polynomial(radial)[3], radial.matrix[0, 0]
     x, y = np.meshgrid(np.arange(0, W, 40), np.arange(0, H, 40))
-    d = np.stack([(x - radial.matrix[0, 2]) / (s * f), (y - radial.matrix[1, 2]) / (s * f)], axis=-1)
-    d = d.reshape(-1, 2)
+    d = (np.stack([x.ravel(), y.ravel()], axis=1) - radial.matrix[:2, 2]) / (s * f)
     r = np.linalg.norm(d, axis=1)
     if radial.model == "fisheye":
-        rays = np.concatenate([d * np.sinc(r / np.pi)[:, None], np.cos(r)[:, None]], axis=1)
+        rays = np.column_stack([d * np.sinc(r / np.pi)[:, None], np.cos(r)])
     else:
-        rays = np.concatenate([d, np.ones((len(d), 1))], axis=1)
+        rays = np.column_stack([d, np.ones(len(d))])
     q = camera.project(rays)
     there = source[y, x].reshape(-1, 2)
     inside = np.isfinite(q).all(axis=1) & (q >= 0).all(axis=1) & (q <= (W - 1, H - 1)).all(axis=1)
@@ -195,15 +182,10 @@ def test_camera_para_is_read_by_artoolkits_own_arithmetic() -> None:
     k1, k2, p1, p2, fx, fy, x0, y0, s = rest[12:]
     assert (w, h, s) == (W, H, 1.0)
     rays, q = image_rays(mine.camera)
-    ideal = rays @ matrix[:, :3].T
-    ideal = ideal[:, :2] / ideal[:, 2:]
-    # arParamIdeal2Observ, version 4
-    x, y = (ideal[:, 0] - x0) * s / fx, (ideal[:, 1] - y0) * s / fy
-    r2 = x * x + y * y
-    radial = 1 + k1 * r2 + k2 * r2 * r2
-    ox = (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) * fx + x0
-    oy = (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) * fy + y0
-    assert np.linalg.norm(np.stack([ox, oy], axis=1) - q, axis=1).max() <= file.error + 0.01
+    assert matrix.tolist() == [[fx, 0, x0, 0], [0, fy, y0, 0], [0, 0, 1, 0]]
+    # arParamIdeal2Observ of version 4 is then OpenCV's formula.
+    distorted = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), matrix[:, :3], np.array([k1, k2, p1, p2]))
+    assert np.linalg.norm(distorted[0][:, 0] - q, axis=1).max() <= file.error + 0.01
 
 
 # ---- pages
@@ -211,23 +193,91 @@ def test_camera_para_is_read_by_artoolkits_own_arithmetic() -> None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_webxr_matrix_is_column_major(model: str) -> None:
-    camera = calibrated(model)
+    camera = subject(model).camera
     data = json.loads(written(model, "webxr").content)
     assert np.array_equal(np.array(data["cameraMatrix"]).reshape(3, 3).T, camera.matrix)
     assert data["distortionCoefficients"] == camera.distortion.tolist()
     assert data["distortionModel"] == model
-    p = np.array(data["projectionMatrix"]).reshape(4, 4).T
-    assert np.array_equal(p, projection_matrix(camera))
-    assert p[0, 0] * W / 2 == pytest.approx(camera.matrix[0, 0], abs=1e-9)
-    # without the half pixel of WebXR's viewport it would be off by as much
-    assert abs(((1 - p[0, 2]) * W - 1) / 2 - camera.matrix[0, 2]) < 1e-9
 
 
 def test_gltf_states_its_omissions() -> None:
-    file, camera = written("rectilinear", "gltf"), calibrated("rectilinear")
+    file, camera = written("rectilinear", "gltf"), subject("rectilinear").camera
     data = json.loads(file.content)
     lens = data["cameras"][data["nodes"][data["scenes"][data["scene"]]["nodes"][0]]["camera"]]
     assert lens["extras"]["camera_matrix"] == camera.matrix.tolist()
     assert lens["extras"]["distortion_coefficients"] == camera.distortion.tolist()
     assert file.error > 1
     assert f"{file.error:.2f}" in lens["extras"]["warning"]
+
+
+ARTOOLKIT = """
+import artoolkit from "@ar-js-org/artoolkit5-js";
+import { readFileSync } from "node:fs";
+console.log = () => {};
+const { file, width, height } = JSON.parse(readFileSync(0, "utf8"));
+const control = await artoolkit.ARController.initWithDimensions(width, height, Uint8Array.from(file));
+process.stdout.write(`\\n${JSON.stringify([...control.getCameraMatrix()])}`);
+process.exit(0); // it keeps a timer
+"""
+
+
+def test_artoolkit_draws_as_the_camera_that_was_written() -> None:
+    """But for its own matrix, which takes the picture to be a pixel smaller than it is."""
+    written = formats.write(subject("rectilinear"), "artoolkit")
+    matrix = run_module(ARTOOLKIT, sent={"file": list(written.content), "width": W, "height": H})
+    ours = np.frombuffer(written.content, ">f8", 12, offset=8).reshape(3, 4)[:, :3]
+    rng = np.random.default_rng(2)
+    rays = np.column_stack([rng.uniform(-0.6, 0.6, 200), rng.uniform(-0.35, 0.35, 200), np.ones(200)])
+    pinhole = (rays @ ours.T)[:, :2] + 0.5  # px from the picture's corner
+    drawn = np.column_stack([rays * (1, -1, -1), np.ones(200)]) @ np.array(matrix).reshape(4, 4)
+    ndc = drawn[:, :2] / drawn[:, 3:]
+    off = np.linalg.norm((ndc * (1, -1) + 1) / 2 * IMG_SIZE - pinhole, axis=1)
+    assert off.max() < 1
+    assert off.max() > 0.2, "or `applyCalibration` would not be needed beside it"
+
+
+THREE = """
+import { readFileSync } from 'node:fs';
+import { Matrix4, PerspectiveCamera, Vector3 } from 'three';
+const { files, points } = JSON.parse(readFileSync(0, 'utf8'));
+const at = ([x, y, z]) => new Vector3(x, -y, -z);
+const seen = (camera) => points.map((p) => at(p).project(camera).toArray().slice(0, 2));
+console.log(JSON.stringify(files.map(({ webxr, gltf }) => {
+  const ours = new PerspectiveCamera();
+  ours.projectionMatrix = new Matrix4().fromArray(webxr.projectionMatrix);
+  ours.projectionMatrixInverse = ours.projectionMatrix.clone().invert();
+  ours.updateMatrixWorld();
+  // what three's GLTFLoader does with a perspective camera
+  const { yfov, aspectRatio, znear, zfar } = gltf.cameras[0].perspective;
+  const loaded = new PerspectiveCamera(yfov * 180 / Math.PI, aspectRatio, znear, zfar);
+  loaded.updateMatrixWorld();
+  return { webxr: seen(ours), gltf: seen(loaded) };
+})));
+"""
+POINTS = np.random.default_rng(2).uniform((-0.5, -0.3, 1), (0.5, 0.3, 5), (40, 3))
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, dict[str, list[list[float]]]]:
+    """Pixels at which three.js draws the points with the files of each model."""
+    files = [
+        {name: json.loads(written(model, name).content) for name in ("webxr", "gltf")}
+        for model in models.NAMES
+    ]
+    found = run_module(THREE, sent={"files": files, "points": POINTS.tolist()})
+    return dict(zip(models.NAMES, found, strict=True))
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+def test_points_are_projected_as_by_the_pinhole(
+    model: str, drawn: dict[str, dict[str, list[list[float]]]]
+) -> None:
+    camera, (w, h) = subject(model).camera, IMG_SIZE
+    said = {
+        name: np.stack([(q[:, 0] + 1) / 2 * w - 0.5, (1 - q[:, 1]) / 2 * h - 0.5], axis=1)
+        for name, q in ((name, np.array(q)) for name, q in drawn[model].items())
+    }
+    k = np.array(camera.matrix)
+    for name, centre in (("webxr", k[:2, 2]), ("gltf", np.array([w - 1, h - 1]) / 2)):
+        pinhole = POINTS[:, :2] / POINTS[:, 2:] * (k[0, 0], k[1, 1]) + centre
+        assert np.abs(said[name] - pinhole).max() < 1e-9 * w, name

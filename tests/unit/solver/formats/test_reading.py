@@ -5,7 +5,6 @@ import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from hypothesis import strategies as st
 from calibsolver import CalibrationError, View, formats, models
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reading import read, read_text
+from calibsolver.formats.reading import read, read_bytes
 from infra.ops import OpsError
 from infra.ops.imports import read_file
 from tests.helpers.data import corner_set, corner_views
@@ -104,25 +103,19 @@ def test_corners_of_real_photographs_match_their_board(name: str) -> None:
 
 def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
     good = json.loads(written("rectilinear", "photonvision").content)
-
-    def changed(**members: Any) -> dict[str, Any]:
-        return {**good, **members}
-
-    for data, reason in (
-        ([], "not an object"),
-        ({}, "no kind"),
-        (changed(resolution={"width": 1280}), "resolution.height"),
-        (changed(resolution={"width": 1e9, "height": 720}), "resolution.width"),
-        (changed(cameraIntrinsics={"data": [1, 2, 3]}), "9 to 9 numbers"),
-        (changed(cameraIntrinsics={"data": ["a"] * 9}), "must be numbers"),
-        (changed(cameraIntrinsics={"data": [0.0] * 9}), "positive"),
-        (changed(distCoeffs={"data": [0.1] * 12}), "thin prism"),
-        (changed(observations="many"), "list"),
-        (changed(observations=[{}] * 2000), "at most"),
-        (changed(observations=[{"locationInObjectSpace": [{"x": 1}]}]), "locationInObjectSpace|has no y"),
+    for member, value, reason in (
+        ("resolution", {"width": 1280}, "resolution.height"),
+        ("resolution", {"width": 1e9, "height": 720}, "resolution.width"),
+        ("cameraIntrinsics", {"data": [1, 2, 3]}, "9 to 9 numbers"),
+        ("cameraIntrinsics", {"data": ["a"] * 9}, "must be numbers"),
+        ("cameraIntrinsics", {"data": [0.0] * 9}, "positive"),
+        ("distCoeffs", {"data": [0.1] * 12}, "thin prism"),
+        ("observations", "many", "list"),
+        ("observations", [{}] * 2000, "at most"),
+        ("observations", [{"locationInObjectSpace": [{"x": 1}]}], "locationInObjectSpace|has no y"),
     ):
         with pytest.raises(CalibrationError, match=reason) as caught:
-            read(data)
+            read({**good, member: value})
         assert caught.value.code == "malformed"
     for content, reason in (
         ("{'lensmodel': 'LENSMODEL_CAHVOR', 'intrinsics': [1], 'imagersize': [1, 1]}", "none of"),
@@ -140,17 +133,16 @@ def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         ),
     ):
         with pytest.raises(CalibrationError, match=reason):
-            read_text(content)
+            read_bytes(content.encode())
+    native = '{"img_size": [1280, NaN], "camera_matrix": 0, "distortion_coefficients": 0}'
     for name, text, reason in (
+        ("list.json", "[]", "not an object"),
+        ("empty.json", "{}", "no kind"),
         ("bomb.yaml", "a: &a [1, 1]\nb: &b [*a, *a]\nc: [*b, *b]\n", "aliases"),
         ("deep.yaml", "a: " + "[" * 500 + "]" * 500, "nested too deeply"),
         ("deep.json", "[" * 100_000, "JSON|nested"),
-        ("nan.json", '{"img_size": [1280, NaN], "camera_matrix": 0, "distortion_coefficients": 0}', "NaN"),
-        (
-            "nines.json",
-            '{"img_size": [1280, %s], "camera_matrix": 0, "distortion_coefficients": 0}' % ("9" * 400),
-            "a number",
-        ),
+        ("nan.json", native, "NaN"),
+        ("nines.json", native.replace("NaN", "9" * 400), "a number"),
         ("tag.yaml", "!!python/object/apply:os.getcwd []", "not YAML"),
         ("date.yaml", "img_size: 2001-99-99", "cannot be read|not YAML|img_size"),
         ("cut.json", json.dumps(good)[:500], "not JSON"),

@@ -3,7 +3,6 @@
 import json
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
-from typing import Any
 
 import cv2
 import numpy as np
@@ -77,17 +76,13 @@ def test_file_storage_reads_every_camera_to_the_last_bit(name: str, model: str) 
 def test_ros_yaml_has_full_precision(model: str) -> None:
     file = written(model, "ros")
     data = yaml.safe_load(file.content)
-    assert {
-        k: (data[k]["rows"], data[k]["cols"]) for k in data if k.endswith(("matrix", "coefficients"))
-    } == {
-        "camera_matrix": (3, 3),
-        "distortion_coefficients": (1, len(data["distortion_coefficients"]["data"])),
-        "rectification_matrix": (3, 3),
-        "projection_matrix": (3, 4),
-    }
     size = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}[data["distortion_model"]]
+    shapes = {"camera": (3, 3), "rectification": (3, 3), "projection": (3, 4)}
+    shapes = {f"{name}_matrix": shape for name, shape in shapes.items()}
+    for name, shape in (shapes | {"distortion_coefficients": (1, size)}).items():
+        assert (data[name]["rows"], data[name]["cols"]) == shape
+        assert len(data[name]["data"]) == np.prod(shape)
     d = np.array(data["distortion_coefficients"]["data"])
-    assert len(d) == size
     assert all(isinstance(v, float) for v in [*d.tolist(), *data["camera_matrix"]["data"]])
     assert (data["image_width"], data["image_height"]) == IMG_SIZE
     assert data["camera_name"].isascii()
@@ -123,9 +118,7 @@ def test_kalibr_coefficients_are_refitted(model: str) -> None:
         cut = Camera(model, mine.camera.matrix, np.append(mine.camera.distortion[:4], 0), IMG_SIZE)
         refitted = Camera(model, k, np.append(d, 0), IMG_SIZE)
         assert reprojection_score(refitted, mine.views).rms < 1.05 * mine.rms
-        assert reprojection_score(cut, mine.views).rms > 2 * mine.rms, (
-            "without the refit it would be visibly worse"
-        )
+        assert reprojection_score(cut, mine.views).rms > 2 * mine.rms, "without the refit"
 
 
 @pytest.mark.parametrize("model", models.NAMES)
@@ -147,42 +140,18 @@ def test_colmap_projects_half_a_pixel_further(model: str) -> None:
         assert params[2] == subject(model).camera.matrix[0, 2] + 0.5
 
 
-def brown(data: dict[str, Any]) -> Callable[[Array], Array]:
-    """OpenSfM's documented projections, normalised coordinates and back to pixels."""
-
-    def project(rays: Array) -> Array:
-        side, x = max(data["width"], data["height"]), rays / np.linalg.norm(rays, axis=1)[:, None]
-        if data["projection_type"] == "brown":
-            u = np.where(x[:, 2:] > 0.02, x[:, :2] / x[:, 2:], np.nan)
-            r2 = (u**2).sum(axis=1)
-            radial = 1 + r2 * (data["k1"] + r2 * (data["k2"] + r2 * data["k3"]))
-            x2, y2, xy = u[:, 0] ** 2, u[:, 1] ** 2, u[:, 0] * u[:, 1]
-            d = np.stack(
-                [
-                    u[:, 0] * radial + 2 * data["p1"] * xy + data["p2"] * (r2 + 2 * x2),
-                    u[:, 1] * radial + data["p1"] * (r2 + 2 * y2) + 2 * data["p2"] * xy,
-                ],
-                axis=1,
-            )
-        else:
-            flat = np.hypot(x[:, 0], x[:, 1])
-            t = np.arctan2(flat, x[:, 2])
-            t2 = t * t
-            td = t * (1 + t2 * (data["k1"] + t2 * (data["k2"] + t2 * (data["k3"] + t2 * data["k4"]))))
-            d = x[:, :2] / np.maximum(flat, 1e-12)[:, None] * td[:, None]
-        q = d * (data["focal_x"], data["focal_y"]) + (data["c_x"], data["c_y"])
-        return q * side + np.array([data["width"] - 1, data["height"] - 1]) / 2
-
-    return project
-
-
 @pytest.mark.parametrize("model", models.NAMES)
 def test_opensfm_is_centred_and_scaled_by_the_larger_side(model: str) -> None:
     file = written(model, "opensfm")
     ((name, data),) = json.loads(file.content).items()
     assert name == subject(model).name
-    assert data["projection_type"] in ("brown", "fisheye_opencv")
-    off(model, file, brown(data))
+    names = {"brown": ("k1", "k2", "p1", "p2", "k3"), "fisheye_opencv": ("k1", "k2", "k3", "k4")}
+    d = np.array([data[name] for name in names[data["projection_type"]]])
+    w, h = data["width"], data["height"]
+    fx, fy, cx, cy = (max(w, h) * data[name] for name in ("focal_x", "focal_y", "c_x", "c_y"))
+    k = np.array([[fx, 0, cx + (w - 1) / 2], [0, fy, cy + (h - 1) / 2], [0, 0, 1]])
+    # OpenSfM documents both with OpenCV's formulas.
+    off(model, file, opencv(k, d, data["projection_type"] == "fisheye_opencv"))
 
 
 @pytest.mark.parametrize("model", models.NAMES)
@@ -233,11 +202,7 @@ def test_photonvision_holds_the_keypoints(model: str) -> None:
 def test_perspective_model_of_a_wide_lens_fits_to_80_degrees(model: str, keypoints: bool) -> None:
     """All the rays of the image within, far denser than the conversion looks; of what is beyond no word."""
     mine = subject(model)
-    file = (
-        written(model, "photonvision")
-        if keypoints
-        else formats.write(ExportSource(mine.camera), "photonvision")
-    )
+    file = formats.write(mine if keypoints else ExportSource(mine.camera), "photonvision")
     data = json.loads(file.content)
     k, d = np.array(data["cameraIntrinsics"]["data"]).reshape(3, 3), np.array(data["distCoeffs"]["data"])
     assert file.coverage == (image_rays(mine.camera, 129, 97, border=0.5)[0][:, 2] > np.cos(1.4)).mean() > 0.8
