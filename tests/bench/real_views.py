@@ -1,13 +1,10 @@
-"""`make bench DOCS=real-views`: the guidance chooses among the views of real sets; writes docs/accuracy.md.
+"""`make bench DOCS=real-views`: the guidance chooses among the views of real sets.
 
 Of a set with at least 16 views k are chosen one after the other, each by the estimate from those before it,
 and fitted. The distance of that camera from a reference, px rms over the image after the best rotation, is
 compared with the distances of eight random choices of k views. Three references: the fit of all other views,
-which lacks what the choice took; the fit of all views, the same for every choice; and the fit of views that
-were set aside at random before the choice, which no choice can spoil or improve.
-
-Beside the criterion of the guidance: a choice that represents the set, and the targets of the published
-method.
+which lacks what the choice took; the fit of all views; and the fit of views that were set aside at random
+before the choice, which no choice can spoil or improve.
 """
 
 from collections.abc import Sequence
@@ -15,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibsolver import Calibration, CalibrationError, Camera, View, fit, rotation
+from calibsolver import Calibration, CalibrationError, Camera, View, rotation
 from calibsolver.arrays import Array, symmetric_inverse, whitening
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting import prior
@@ -26,6 +23,7 @@ from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.posterior import IntrinsicsPosterior
 from tests.bench import corners, document
+from tests.bench.corners import try_fit
 from tests.helpers.data import on_board
 from tests.helpers.solver import synthetic
 
@@ -54,10 +52,7 @@ def distance(one: Camera, other: Camera, q: Array | None = None) -> float:
 
 
 def guided(views: Sequence[View], size: tuple[int, int], model: str, count: int) -> list[int]:
-    """Choose the view that reduces the predicted projection error most, each time.
-
-    By the estimate from those before it, as a guided capture chooses a pose; the first by the prior alone.
-    """
+    """Choose the view that reduces the predicted projection error most, each time, as a guided capture."""
     obs = Observations.of(views)
     chosen: list[int] = []
     while len(chosen) < min(count, len(views)):
@@ -120,7 +115,7 @@ def published(views: Sequence[View], size: tuple[int, int], model: str, count: i
 
 @dataclass(frozen=True)
 class Row:
-    """Distances from the references, px: guided, random (median), representative, published."""
+    """Distances from two references, px: guided, random (median), representative, published."""
 
     name: str
     model: str
@@ -129,23 +124,6 @@ class Row:
     """From the fit of all views that were not chosen."""
     everything: tuple[float, ...]
     """From the fit of all views."""
-
-
-@dataclass(frozen=True)
-class Aside:
-    """Distances from the fit of views set aside at random: guided, random (median), representative."""
-
-    name: str
-    model: str
-    count: int
-    distances: tuple[float, ...]
-
-
-def try_fit(views: Sequence[View], size: tuple[int, int], model: str) -> Calibration | None:
-    try:
-        return fit(views, size, model, board_shape=False)
-    except CalibrationError:
-        return None
 
 
 def distances(
@@ -195,14 +173,12 @@ def rows_of(name: str) -> list[Row]:
                 distances(views, size, model, s[:count], whole.camera) if s else (np.nan, np.nan)
                 for s in sequences
             )
-            others, everything = zip(ours, random.tolist(), typical, peer, strict=True)
-            row = Row(name, model, count, others, everything)
-            out.append(row)
+            out.append(Row(name, model, count, *zip(ours, random.tolist(), typical, peer, strict=True)))
     return out
 
 
-def asides_of(name: str) -> list[Aside]:
-    """Distances from references that no choice can spoil: the views chosen from are 60 % of the set."""
+def asides_of(name: str) -> list[tuple[float, ...]]:
+    """Distances from the fit of views set aside at random: guided, random (median), representative."""
     every, size = usable_views(name)
     if len(every) < MIN_VIEWS:
         return []
@@ -223,16 +199,16 @@ def asides_of(name: str) -> list[Aside]:
                 for choice in (*(s[:count] for s in sequences), *draws):
                     found = try_fit([views[i] for i in choice], size, model)
                     apart.append(distance(reference.camera, found.camera) if found else np.inf)
-                out.append(Aside(name, model, count, (apart[0], float(np.median(apart[2:])), apart[1])))
+                out.append((apart[0], float(np.median(apart[2:])), apart[1]))
     return out
 
 
-def conclusion(rows: Sequence[Row], asides: Sequence[Aside]) -> str:
+def conclusion(rows: Sequence[Row], asides: Sequence[tuple[float, ...]]) -> str:
     parts = []
     for what, columns in (
         ("the fit of all other views", [row.others for row in rows]),
         ("the fit of all views", [row.everything for row in rows]),
-        (f"the fit of views set aside before ({SPLITS} splits a set)", [row.distances for row in asides]),
+        (f"the fit of views set aside before ({SPLITS} splits a set)", asides),
     ):
         table = np.array(columns)
         told = []
@@ -252,7 +228,6 @@ def conclusion(rows: Sequence[Row], asides: Sequence[Aside]) -> str:
 
 
 def main() -> None:
-    """Compare on every set that is at hand."""
     rows = [row for name in corners.NAMES for row in rows_of(name)]
     asides = [row for name in corners.NAMES for row in asides_of(name)]
     choices = ("guided, px", "random", "representative", "published")

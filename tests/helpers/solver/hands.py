@@ -34,7 +34,7 @@ class Hand:
     focal_share: float = 0.0
 
     def refocused(self, camera: Camera, rng: np.random.Generator) -> Camera:
-        """Return the camera as it is focused in one view."""
+        """Camera as it is focused in one view."""
         if not self.focal_share:
             return camera
         matrix = camera.matrix.copy()
@@ -42,7 +42,9 @@ class Hand:
         return Camera(camera.model, matrix, camera.distortion, camera.img_size)
 
     def bend(self, board: Board, rng: np.random.Generator) -> np.ndarray:
-        """Return the corners (n, 3) of a board bent in some direction, board frame."""
+        """Corners (n, 3) of a board bent in some direction, board frame."""
+        if not self.sag_boards:
+            return board.points
         center, half = board.outline.mean(axis=0), max(board.size) / 2
         x, y = ((board.points - center) / half)[:, :2].T
         height = np.stack([x * x, x * y, y * y], axis=1) @ rng.normal(size=3)

@@ -4,10 +4,11 @@ import csv
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 
-from calibsolver import Board, Camera, View, models, rotation
+from calibsolver import Board, Camera, View, rotation
 from calibsolver.consensus import Member
 from tests.helpers.data import data_dir
 from tests.helpers.solver import synthetic
@@ -38,13 +39,12 @@ def views(
 ) -> list[View]:
     """Views as a guided capture ends with: close to all parts of the image, tilted by 35 to 50 degrees.
 
-    A view that shows fewer than 16 corners of those of the board is taken again with the board farther away.
-    `hand` holds it.
+    A view with fewer than 16 corners is taken again with the board farther away.
     """
     w, h = camera.img_size
-    corners = hand.bend(board, rng) if hand.sag_boards else None
     middle = board.outline.mean(axis=0)
     least = min(16, len(board.points))
+    options: dict[str, Any] = {"hand": hand, "corners": hand.bend(board, rng), "whole_markers": False}
     out: list[View] = []
     for i in range(count):
         x, y = PLACES[i % len(PLACES)] + rng.uniform(-0.06, 0.06, 2)
@@ -58,17 +58,7 @@ def views(
             depth = board.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
             focused = hand.refocused(camera, rng)
-            view = synthetic.detect(
-                board,
-                focused,
-                rotation.vector(r),
-                t,
-                rng,
-                noise,
-                hand=hand,
-                corners=corners,
-                whole_markers=False,
-            )
+            view = synthetic.detect(board, focused, rotation.vector(r), t, rng, noise, **options)
             if len(view) >= least:
                 out.append(view)
                 break
@@ -102,19 +92,9 @@ def omnidirectional_cameras(
     cameras: list[Camera] = []
     while len(cameras) < count:
         d = np.array([rng.uniform(0.8, 2.2), *(np.array([0.08, 0.1, 1e-3, 1e-3]) * rng.normal(size=4))])
-        cameras += seen_all(
-            of_diagonal("omnidirectional", d, np.radians(rng.uniform(120, 190)), rng, img_size)
-        )
+        angle = np.radians(rng.uniform(120, 190))
+        cameras += seen_all(synthetic.of_diagonal("omnidirectional", d, angle, rng, img_size))
     return tuple(cameras)
-
-
-def of_diagonal(
-    model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
-) -> Camera:
-    """Camera that sees `angle` over its diagonal."""
-    reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
-    focal = np.hypot(*img_size) / 2 / reach
-    return Camera(model, synthetic.camera_matrix(focal, img_size, rng), d, img_size)
 
 
 def seen_all(camera: Camera) -> list[Camera]:
@@ -125,13 +105,11 @@ def seen_all(camera: Camera) -> list[Camera]:
 
 
 def profile_rows() -> list[dict[str, str]]:
-    """Rows of the published lens profiles."""
     with (data_dir() / "lens_profiles.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
 
 def profile_camera(row: dict[str, str]) -> Camera:
-    """Camera of a row."""
     fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
     matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
     return Camera(
