@@ -41,7 +41,7 @@ FINISHED_S = 90.0
 
 @dataclass(frozen=True)
 class Person:
-    """One camera, and one person's board before it."""
+    """A person who holds a board in front of a camera."""
 
     camera: Camera
     rng: np.random.Generator

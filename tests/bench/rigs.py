@@ -1,8 +1,4 @@
-"""Figures of rigs, simulated: `make bench DOCS=rigs RIGS=200`.
-
-Predicted error against the true one, for two, three and eight cameras; and the closed loop, a person who
-follows the guidance before two webcams until the rig's predicted error is below the goal.
-"""
+"""`make bench DOCS=rigs RIGS=200`: errors of simulated rigs, predicted and true, and guided captures."""
 
 import os
 from collections.abc import Sequence
@@ -24,7 +20,7 @@ SQUARE_CM = 3.0
 
 
 def draw(kind: str, rng: np.random.Generator) -> tuple[rigs.Rig, int]:
-    """Rig of a kind, and how many moments it is fitted to."""
+    """Rig of a kind, and the number of moments that it is fitted to."""
     flat, wide = synthetic.rectilinear_cameras(12), synthetic.fisheye_cameras(12)
 
     def pick(many: Sequence[Camera]) -> Camera:
@@ -40,19 +36,20 @@ def draw(kind: str, rng: np.random.Generator) -> tuple[rigs.Rig, int]:
 
 
 def as_rig(found: rig.RigCalibration) -> rigs.Rig:
-    """Rig that was found."""
     return rigs.Rig(found.cameras, [RigidMotion.of_vector(pose) for pose in found.poses])
 
 
+def formats(truth: rigs.Rig) -> list[tuple[tuple[int, int], str]]:
+    return [(camera.img_size, camera.model) for camera in truth.cameras]
+
+
 def predicted(kind: str, count: int) -> None:
-    """Print true over predicted error of `count` rigs."""
+    """Print true over predicted error."""
     errors, expected = [], []
     for seed in range(count):
         rng = np.random.default_rng(seed)
         truth, moments = draw(kind, rng)
-        found = rig.fit(
-            rigs.moments(truth, BOARD, moments, NOISE, rng), [(c.img_size, c.model) for c in truth.cameras]
-        )
+        found = rig.fit(rigs.moments(truth, BOARD, moments, NOISE, rng), formats(truth))
         errors.append(rigs.transfer_error(truth, as_rig(found), found.working_distances.tolist()))
         expected.append(found.uncertainty.rms)
     ratio = np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(expected)))
@@ -75,7 +72,7 @@ def webcams(rng: np.random.Generator) -> rigs.Rig:
 
 def capture(truth: rigs.Rig, rng: np.random.Generator) -> tuple[int, float, float]:
     """Capture under guidance: moments taken (MAX_MOMENTS + 1 where stuck), predicted and true error, px."""
-    cameras = [(camera.img_size, camera.model) for camera in truth.cameras]
+    cameras = formats(truth)
     moments: list[dict[int, View]] = []
     calibration: rig.RigCalibration | None = None
     user = synthetic.User()
@@ -136,14 +133,13 @@ def late(count: int) -> None:
                 moment = rigs.late_moment(truth, BOARD, 0.2 * 5 / SQUARE_CM, NOISE, rng)
             except ValueError:
                 continue
-            found = rig.fit([*good, moment], [(c.img_size, c.model) for c in truth.cameras])
+            found = rig.fit([*good, moment], formats(truth))
             aside = {m for m, _ in found.set_aside}
             tried, caught, wrong = tried + 1, caught + (moments in aside), wrong + bool(aside - {moments})
         print(f"| {moments} | {tried} | {caught} | {wrong} |", flush=True)
 
 
 def main() -> None:
-    """Print the tables of docs/accuracy.md."""
     print("| rig | rigs | true error, px, median | true / predicted, rms |\n|---|---|---|---|")
     for kind in ("two webcams", "two fisheyes", "three, mixed"):
         predicted(kind, RIGS)

@@ -1,4 +1,4 @@
-"""A camera with a known truth, and a person before it who does what the text says, and nothing else."""
+"""A camera with a known truth, and a person in front of it who does what the text says."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -15,7 +15,23 @@ from calibdb_client.capture.outline import TEXTS
 SQUARE_PX = 60
 BORDER_PX = 60
 SHOW = "show the board to the camera"
-STEP, TURN = 0.08, 0.12
+STEP, TURN = 0.08, 0.12  # of the distance; rad
+MOVES = {
+    "left": (-1, 0, 0),
+    "right": (1, 0, 0),
+    "up": (0, -1, 0),
+    "down": (0, 1, 0),
+    "closer": (0, 0, -1),
+    "farther": (0, 0, 1),
+}
+TURNS = {
+    "tilt_top": (1, 0, 0),
+    "tilt_bottom": (-1, 0, 0),
+    "tilt_left": (0, -1, 0),
+    "tilt_right": (0, 1, 0),
+    "turn_clockwise": (0, 0, 1),
+    "turn_counterclockwise": (0, 0, -1),
+}
 
 
 @dataclass
@@ -40,16 +56,12 @@ class BoardCamera:
         self.middle = np.array([*self.board.edge.mean(axis=0), 0])
 
     def clock(self) -> float:
-        """Seconds."""
         return self.frames * self.frame_s
 
 
 @dataclass
 class VirtualCamera(BoardCamera):
-    """Source of pictures (h, w) of a board in a hand that follows words.
-
-    The lens has distortion; the sensor has noise, so that no picture is the one before.
-    """
+    """Source of pictures (h, w), with distortion and noise, of a board in a hand that follows words."""
 
     frame_s = 0.12
     noise: float = 1.0
@@ -69,13 +81,11 @@ class VirtualCamera(BoardCamera):
         self.rotation, self.place = np.eye(3), np.array([0, 0, 1.4 * max(self.board.size)])
 
     def read(self) -> tuple[bool, np.ndarray]:
-        """Follow the words for the time of a frame, and look."""
         self.frames += 1
         self.follow(self.words)
         return True, self.picture()
 
     def picture(self) -> np.ndarray:
-        """Picture (h, w) of the board where it is."""
         origin = self.place - self.rotation @ self.middle
         left, top = self.board.edge[0] + 0.5 / SQUARE_PX - 0.5
         to_board = np.array([[1 / SQUARE_PX, 0, left], [0, 1 / SQUARE_PX, top], [0, 0, 1]])
@@ -86,25 +96,18 @@ class VirtualCamera(BoardCamera):
         return cv2.add(seen, self.grain[self.frames % len(self.grain)], dtype=cv2.CV_8U)
 
     def follow(self, words: str) -> None:
-        """Move as told, by what a hand does in the time of a frame."""
-        code = next((code for code, text in TEXTS.items() if text == words), "")
-        if words == SHOW:
-            code = "farther"
-        step = STEP * self.place[2]
-        moves = {"left": (-step, 0, 0), "right": (step, 0, 0), "up": (0, -step, 0), "down": (0, step, 0)}
-        moves |= {"closer": (0, 0, -step), "farther": (0, 0, step)}
-        turns = {"tilt_top": (TURN, 0, 0), "tilt_bottom": (-TURN, 0, 0), "tilt_left": (0, -TURN, 0)}
-        turns |= {"tilt_right": (0, TURN, 0), "turn_clockwise": (0, 0, TURN)}
-        turns |= {"turn_counterclockwise": (0, 0, -TURN)}
-        self.place = self.place + moves.get(code, (0, 0, 0))
+        """Move by what a hand does in the time of a frame."""
+        codes = {text: code for code, text in TEXTS.items()} | {SHOW: "farther"}
+        code = codes.get(words, "")
+        self.place = self.place + STEP * self.place[2] * np.array(MOVES.get(code, (0, 0, 0)))
         self.place[2] = np.clip(self.place[2], 3, 60)
-        turn = np.array(turns.get(code, (0, 0, 0)), dtype=np.float64)
+        turn = TURN * np.array(TURNS.get(code, (0, 0, 0)), dtype=np.float64)
         self.rotation = cv2.Rodrigues(turn)[0] @ self.rotation
 
 
 @dataclass
 class Listener:
-    """Feedback that hands the words to the person, and remembers what was said."""
+    """Feedback that passes the words to the person, and remembers what was said."""
 
     camera: VirtualCamera
     said: list[str] = field(default_factory=list)
@@ -112,18 +115,14 @@ class Listener:
     closed: bool = False
 
     def show(self, scene: Scene) -> str:
-        """Hand on the instruction."""
         self.camera.words = scene.instruction
         return ""
 
     def taken(self, status: Status) -> None:
-        """Count."""
         self.views = status.views
 
     def note(self, text: str) -> None:
-        """Remember."""
         self.said.append(text)
 
     def close(self) -> None:
-        """Remember."""
         self.closed = True

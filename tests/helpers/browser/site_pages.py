@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import time
 
 from playwright.sync_api import CDPSession, Page, ViewportSize
 
 from ...conftest import THOROUGH
-from .pictures import SETTLED
+from .pictures import SETTLED, remaining
 from .scenes import BLIND_DETECTOR
 from .scripts import page_function
 from .specimens import camera, cameras, dump, result, rig, statistics
@@ -150,9 +149,5 @@ def shifts(page: Page) -> list[tuple[float, list[str]]]:
 def faults(page: Page, width: int, seconds: float = TIMEOUT_S) -> list[str]:
     """List what is wrong with the page in a window of that width, once it has come to rest."""
     page.set_viewport_size(SIZES[width])
-    end = time.monotonic() + seconds
-    while True:
-        page.evaluate(SETTLED)
-        found: list[str] = page.evaluate(_AMISS)
-        if not found or time.monotonic() > end:
-            return found
+    page.evaluate(SETTLED)
+    return remaining(page, lambda: page.evaluate(_AMISS), seconds)
