@@ -7,8 +7,8 @@ which lacks what the choice took; the fit of all views; and the fit of views tha
 before the choice, which no choice can spoil or improve.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,15 +56,25 @@ def guided(views: Sequence[View], size: tuple[int, int], model: str, count: int)
     obs = Observations.of(views)
     chosen: list[int] = []
     while len(chosen) < min(count, len(views)):
-        calibration = try_fit([views[i] for i in chosen], size, model) if chosen else None
-        posterior = replace(IntrinsicsPosterior.of(model, size, calibration), systematic=1.0)
+        posterior = posterior_of([views[i] for i in chosen], size, model, systematic=1.0)
         information = view_information(posterior, obs)
         total = prior.information(posterior.model, posterior.k, size) + information[chosen].sum(axis=0)
-        left = [i for i in range(len(views)) if i not in chosen]
+        left = others(views, chosen)
         after = symmetric_inverse(total + information[left])
         error = np.einsum("vij,ij->v", after, posterior.error_metric)
         chosen.append(left[int(np.nanargmin(error))])
     return chosen
+
+
+def posterior_of(
+    views: Sequence[View], size: tuple[int, int], model: str, systematic: float
+) -> IntrinsicsPosterior:
+    calibration = try_fit(views, size, model) if views else None
+    return replace(IntrinsicsPosterior.of(model, size, calibration), systematic=systematic)
+
+
+def others(views: Sequence[View], chosen: Sequence[int]) -> list[int]:
+    return [i for i in range(len(views)) if i not in chosen]
 
 
 def view_information(posterior: IntrinsicsPosterior, obs: Observations) -> Array:
@@ -84,14 +94,12 @@ def representative(views: Sequence[View], size: tuple[int, int], model: str, cou
     obs = Observations.of(views)
     chosen: list[int] = []
     while len(chosen) < count:
-        calibration = try_fit([views[i] for i in chosen], size, model) if chosen else None
-        posterior = replace(IntrinsicsPosterior.of(model, size, calibration), systematic=0.0)
+        posterior = posterior_of([views[i] for i in chosen], size, model, systematic=0.0)
         information = view_information(posterior, obs)
         known = prior.information(posterior.model, posterior.k, size)
         posed = np.flatnonzero(np.abs(information).max(axis=(1, 2)) > 0).tolist()
         every = (information.sum(axis=0) + known) / max(len(posed), 1)
-        left = [i for i in posed if i not in chosen]
-        left = left or [i for i in range(len(views)) if i not in chosen]
+        left = [i for i in posed if i not in chosen] or others(views, chosen)
         mean = (information[chosen].sum(axis=0) + information[left] + known) / (len(chosen) + 1)
         t = whitening(mean)
         x = np.swapaxes(t, -1, -2) @ every @ t
@@ -108,30 +116,19 @@ def published(views: Sequence[View], size: tuple[int, int], model: str, count: i
     while len(chosen) < count:
         with np.errstate(all="ignore"):
             target = guide.next_pose([shown[i] for i in chosen], None)
-        left = [i for i in range(len(views)) if i not in chosen]
-        chosen.append(max(left, key=lambda i: jaccard_index(target.outline, outlines[i], size)))
+        overlaps = {i: jaccard_index(target.outline, outlines[i], size) for i in others(views, chosen)}
+        chosen.append(max(overlaps, key=overlaps.__getitem__))
     return chosen
-
-
-@dataclass(frozen=True)
-class Row:
-    """Distances from two references, px: guided, random (median), representative, published."""
-
-    name: str
-    model: str
-    count: int
-    others: tuple[float, ...]
-    """From the fit of all views that were not chosen."""
-    everything: tuple[float, ...]
-    """From the fit of all views."""
 
 
 def distances(
     views: Sequence[View], size: tuple[int, int], model: str, chosen: Sequence[int], whole: Camera
 ) -> tuple[float, float]:
-    """Distances of the fit of the chosen views from that of all others, and from that of all."""
+    """Distances of the fit of the chosen views from that of all others, and from that of all; NaN of none."""
+    if not chosen:
+        return np.nan, np.nan
     ours = try_fit([views[i] for i in chosen], size, model)
-    rest = try_fit([view for i, view in enumerate(views) if i not in chosen], size, model)
+    rest = try_fit([views[i] for i in others(views, chosen)], size, model)
     if ours is None:
         return np.inf, np.inf
     return distance(rest.camera, ours.camera) if rest else np.nan, distance(whole, ours.camera)
@@ -151,13 +148,20 @@ def believable(views: Sequence[View], size: tuple[int, int]) -> dict[str, Calibr
     return {model: f for model, f in fits.items() if f.noise <= MAX_NOISE_RATIO * least}
 
 
-def rows_of(name: str) -> list[Row]:
+def random_choices(count: int, of: int, rng: np.random.Generator) -> list[list[int]]:
+    return [rng.permutation(of)[:count].tolist() for _ in range(DRAWS)]
+
+
+def rows_of(name: str) -> Iterator[tuple[list[str], Array]]:
+    """Set, model and number of views; distances (2, 4), px, from the fit of all others, and of all views.
+
+    Of the choices guided, random (median), representative, published.
+    """
     views, size = usable_views(name)
     if len(views) < MIN_VIEWS:
-        return []
-    out = []
+        return
+    counts = (6, 10, 15) if len(views) >= MIN_VIEWS_OF_MANY else (6,)
     for model, whole in believable(views, size).items():
-        counts = (6, 10, 15) if len(views) >= MIN_VIEWS_OF_MANY else (6,)
         sequences: list[list[int]] = []
         for choose in (guided, representative, published):
             try:
@@ -165,52 +169,44 @@ def rows_of(name: str) -> list[Row]:
             except CalibrationError:
                 sequences.append([])
         for count in counts:
-            rng = np.random.default_rng(0)
-            draws = [rng.permutation(len(views))[:count].tolist() for _ in range(DRAWS)]
-            drawn = [distances(views, size, model, draw, whole.camera) for draw in draws]
-            random = np.nanmedian(np.array(drawn), axis=0)
-            ours, typical, peer = (
-                distances(views, size, model, s[:count], whole.camera) if s else (np.nan, np.nan)
-                for s in sequences
-            )
-            out.append(Row(name, model, count, *zip(ours, random.tolist(), typical, peer, strict=True)))
-    return out
+            draws = random_choices(count, len(views), np.random.default_rng(0))
+            chosen = [*(sequence[:count] for sequence in sequences), *draws]
+            apart = [distances(views, size, model, choice, whole.camera) for choice in chosen]
+            ours, typical, peer, *drawn = apart
+            columns = (ours, np.nanmedian(np.array(drawn), axis=0), typical, peer)
+            yield [name, model, str(count)], np.array(columns).T
 
 
-def asides_of(name: str) -> list[tuple[float, ...]]:
+def asides_of(name: str) -> Iterator[tuple[float, ...]]:
     """Distances from the fit of views set aside at random: guided, random (median), representative."""
     every, size = usable_views(name)
     if len(every) < MIN_VIEWS:
-        return []
-    out = []
+        return
+    counts = (4, 6, 10) if len(every) >= MIN_VIEWS_OF_MANY else (4, 6)
+    part = round(POOL_SHARE * len(every))
     for model in believable(every, size):
         for split in range(SPLITS):
             rng = np.random.default_rng(split)
             shuffled = [every[i] for i in rng.permutation(len(every))]
-            part = round(POOL_SHARE * len(every))
             views, reference = shuffled[:part], try_fit(shuffled[part:], size, model)
             if reference is None:
                 continue
-            counts = (4, 6, 10) if len(every) >= MIN_VIEWS_OF_MANY else (4, 6)
             sequences = [choose(views, size, model, counts[-1]) for choose in (guided, representative)]
             for count in counts:
-                draws = [rng.permutation(part)[:count].tolist() for _ in range(DRAWS)]
                 apart = []
-                for choice in (*(s[:count] for s in sequences), *draws):
+                for choice in (*(s[:count] for s in sequences), *random_choices(count, part, rng)):
                     found = try_fit([views[i] for i in choice], size, model)
                     apart.append(distance(reference.camera, found.camera) if found else np.inf)
-                out.append((apart[0], float(np.median(apart[2:])), apart[1]))
-    return out
+                yield apart[0], float(np.median(apart[2:])), apart[1]
 
 
-def conclusion(rows: Sequence[Row], asides: Sequence[tuple[float, ...]]) -> str:
+def conclusion(rows: Array, asides: Array) -> str:
     parts = []
-    for what, columns in (
-        ("the fit of all other views", [row.others for row in rows]),
-        ("the fit of all views", [row.everything for row in rows]),
+    for what, table in (
+        ("the fit of all other views", rows[:, 0]),
+        ("the fit of all views", rows[:, 1]),
         (f"the fit of views set aside before ({SPLITS} splits a set)", asides),
     ):
-        table = np.array(columns)
         told = []
         for choice, column in (("guided", 0), ("representative", 2), ("published method's", 3)):
             if column < table.shape[1]:
@@ -233,15 +229,10 @@ def main() -> None:
     choices = ("guided, px", "random", "representative", "published")
     header = ["set", "model", "views", *(f"{to}: {what}" for to in ("others", "all") for what in choices)]
     cells = [
-        [
-            row.name,
-            row.model,
-            str(row.count),
-            *(f"{value:.2f}" if np.isfinite(value) else "none" for value in (*row.others, *row.everything)),
-        ]
-        for row in rows
+        [*about, *(f"{value:.2f}" if np.isfinite(value) else "none" for value in apart.ravel())]
+        for about, apart in rows
     ]
-    told = conclusion(rows, asides)
+    told = conclusion(np.array([apart for _, apart in rows]), np.array(asides))
     document.replace("real views", f"{document.table(header, cells)}\n\n{told}")
 
 

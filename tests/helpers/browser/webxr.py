@@ -1,4 +1,4 @@
-"""A camera that the service knows, and functions that look at sessions of WebXR in a page."""
+"""A known camera, and functions that inspect sessions of WebXR in a page."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ SHARED = Path(__file__).with_name("webxr.js").read_text()
 
 
 def script(body: str, **constants: object) -> str:
-    """A function to run in a page."""
+    """Source of a function to run in a page."""
     given = "".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
     return f"async () => {{ {given} {SHARED} {body} }}"
 

@@ -67,33 +67,29 @@ def views(
 
 
 @cache
-def rational_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
-) -> tuple[Camera, ...]:
+def rational_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Webcams from wide to narrow whose further coefficients are small, as calibrations of them find."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
     while len(cameras) < count:
-        plain = synthetic.rectilinear_cameras(2 * count, int(rng.integers(1 << 30)), img_size)
+        plain = synthetic.rectilinear_cameras(2 * count, int(rng.integers(1 << 30)))
         for camera in plain:
             k1, k2, p1, p2, _ = camera.distortion
             d = np.array([k1, k2, p1, p2, 0, 0, 0, 0])
             d += np.array([0.15, 0.06, 0, 0, 0.015, 0.15, 0.06, 0.015]) * rng.normal(size=8)
-            cameras += seen_all(Camera("rational", camera.matrix, d, img_size))
+            cameras += seen_all(Camera("rational", camera.matrix, d, camera.img_size))
     return tuple(cameras[i] for i in rng.permutation(len(cameras))[:count])
 
 
 @cache
-def omnidirectional_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
-) -> tuple[Camera, ...]:
+def omnidirectional_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Cameras of 120 to 190 degrees over the diagonal, xi from 0.8 to 2.2 as wide lenses have it."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
     while len(cameras) < count:
         d = np.array([rng.uniform(0.8, 2.2), *(np.array([0.08, 0.1, 1e-3, 1e-3]) * rng.normal(size=4))])
         angle = np.radians(rng.uniform(120, 190))
-        cameras += seen_all(synthetic.of_diagonal("omnidirectional", d, angle, rng, img_size))
+        cameras += seen_all(synthetic.of_diagonal("omnidirectional", d, angle, rng))
     return tuple(cameras)
 
 

@@ -7,7 +7,6 @@ The world is that of the published comparison: 12 cameras with f = 500 to 1600 p
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Protocol
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History, ViewDecision
 from calibsolver.fitting.initial_guess import plane_poses
+from calibsolver.guidance import ProjectionUncertainty
 from calibsolver.guidance.candidates import distance_to_border
 from calibsolver.guidance.target import TargetPose
 from tests.helpers.solver.hands import STEADY, Hand
@@ -25,32 +25,27 @@ BORDER_PX = 2.0
 """Border in which neither corners nor markers are found."""
 
 
-def camera_matrix(focal: float, img_size: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
+def camera_matrix(focal: float, rng: np.random.Generator) -> np.ndarray:
     """Camera matrix (3, 3) whose centre and aspect are a little off, as those of real cameras."""
-    w, h = img_size
+    w, h = IMG_SIZE
     cx = (w - 1) / 2 + 0.012 * w * rng.normal()
     cy = (h - 1) / 2 + 0.012 * w * rng.normal()
     return np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
 
 
 @cache
-def rectilinear_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
-) -> tuple[Camera, ...]:
+def rectilinear_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Cameras from wide to narrow, each with some distortion, as far as real ones bend."""
     rng = np.random.default_rng(seed)
     cameras = []
-    for focal, k1 in zip(
-        np.geomspace(500, 1600, count) / 1280 * img_size[0],
-        rng.permutation(np.linspace(-0.35, 0.10, count)),
-        strict=True,
-    ):
+    radial = rng.permutation(np.linspace(-0.35, 0.10, count))
+    for focal, k1 in zip(np.geomspace(500, 1600, count), radial, strict=True):
         k2 = 0.3 * k1 * k1 + 0.01 * rng.normal()
         p1, p2 = 0.0006 * rng.normal(size=2)
-        matrix = camera_matrix(focal, img_size, rng)
+        matrix = camera_matrix(focal, rng)
         # Real wide lenses draw the corners a third as large as the middle, not smaller, and nothing between
         # them smaller still: one that is about to fold (its radial stretch near 0) does not bend that much.
-        while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
+        while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], IMG_SIZE)) < 0.3:
             k1, k2 = 0.95 * k1, k2 + 0.002
         cameras.append(camera)
     return tuple(cameras)
@@ -69,24 +64,20 @@ def least_stretch(camera: Camera) -> float:
 
 
 @cache
-def fisheye_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
-) -> tuple[Camera, ...]:
+def fisheye_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Kannala-Brandt cameras of 118 to 166 degrees over the image's diagonal."""
     rng = np.random.default_rng(seed)
     cameras = []
     for angle in np.radians(np.linspace(118, 166, count)):
         k = np.array([-0.03, 0.004, -0.001, 0.0001]) * rng.uniform(0.3, 1.5, 4)
-        cameras.append(of_diagonal("fisheye", k, angle, rng, img_size))
+        cameras.append(of_diagonal("fisheye", k, angle, rng))
     return tuple(cameras)
 
 
-def of_diagonal(
-    model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
-) -> Camera:
+def of_diagonal(model: str, d: np.ndarray, angle: float, rng: np.random.Generator) -> Camera:
     """Camera that sees `angle` over its diagonal."""
     reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
-    return Camera(model, camera_matrix(np.hypot(*img_size) / 2 / reach, img_size, rng), d, img_size)
+    return Camera(model, camera_matrix(np.hypot(*IMG_SIZE) / 2 / reach, rng), d, IMG_SIZE)
 
 
 def tilt_deg(board: Board, r: np.ndarray, tvec: np.ndarray) -> float:
@@ -165,19 +156,6 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
     return replace(target, rvec=rotations.vector(poses.r)[0], tvec=poses.t[0])
 
 
-class Guide(Protocol):
-    """Chooser of poses."""
-
-    def next_pose(
-        self,
-        views: Sequence[View],
-        calibration: Calibration | None,
-        skipped: Sequence[TargetPose] = (),
-        unreached: Sequence[TargetPose] = (),
-    ) -> TargetPose:
-        """Choose the pose of the next view; see `ProjectionUncertainty.next_pose`."""
-
-
 @dataclass(frozen=True)
 class Planned:
     """Chooser of the poses of a plan (`guidance.fixed_plan`), one after the other."""
@@ -185,13 +163,8 @@ class Planned:
     poses: tuple[TargetPose, ...]
 
     def next_pose(
-        self,
-        views: Sequence[View],
-        _: Calibration | None,
-        skipped: Sequence[TargetPose] = (),
-        unreached: Sequence[TargetPose] = (),
+        self, views: Sequence[View], _: object, skipped: Sequence[TargetPose] = (), *_unreached: object
     ) -> TargetPose:
-        del unreached
         return self.poses[(len(views) + len(skipped)) % len(self.poses)]
 
 
@@ -300,7 +273,7 @@ def run(
     views: int = 6,
     max_views: int = 0,
     capture: Capture | None = None,
-    guide: Guide | None = None,
+    guide: ProjectionUncertainty | Planned | None = None,
     max_attempts: int = 60,
     hand: Hand = STEADY,
 ) -> Session:
@@ -311,7 +284,7 @@ def run(
     """
     board, user = board or Board(), user or User()
     capture = capture or Capture(board, camera.img_size, camera.model)
-    chooser: Guide = guide or capture.guide
+    chooser = guide or capture.guide
     sitting = Sitting(capture)
     session = Session(views=sitting.views)
     corners = hand.bend(board, rng)
