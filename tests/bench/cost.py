@@ -17,8 +17,6 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
-from calibdb.settings import Settings
-from calibdb.store import aws
 from infra.console import track
 from infra.deploy.smoke_capture import observe_board
 from infra.server.server import DEVELOPMENT_TOKEN
@@ -49,10 +47,9 @@ _MB_PER_VCPU = 1769  # MB, AWS Lambda developer guide, "Configure Lambda functio
 
 
 class _Storage(threading.local):
-    """Processor seconds that storage took in this thread, and whether its last read is a consistent one."""
+    """Processor seconds that storage took in this thread."""
 
     seconds = 0.0
-    consistent = False
 
 
 class Meter:
@@ -68,11 +65,6 @@ class Meter:
     def running(self) -> Iterator[Usage]:
         """Count within the block, from zero."""
         self.use = Usage()
-        region = Settings.from_environment(self._stack.environment).region
-        used = (aws.dynamodb(region), aws.s3(region))
-        for client in used:
-            client.meta.events.register("provide-client-params.*", self._on_request, unique_id="meter")
-            client.meta.events.register("after-call.*", self._on_response, unique_id="meter-after")
         functions = dict(self._stack.functions)
         self._stack.functions.update({name: self._wrap_with_timer(f) for name, f in functions.items()})
         try:
@@ -80,9 +72,6 @@ class Meter:
                 yield self.use
         finally:
             self._stack.functions.update(functions)
-            for client in used:
-                client.meta.events.unregister("provide-client-params.*", unique_id="meter")
-                client.meta.events.unregister("after-call.*", unique_id="meter-after")
 
     def ask(self, method: str, path: str, credential: str, body: object = None, query: str = "") -> bytes:
         """Send a request through the gateway and count it."""
@@ -118,37 +107,39 @@ class Meter:
         return timed
 
     def _around(self, name: str, service: intercept.Service) -> intercept.Service:
-        """Count the time of storage, which runs in this process and not in the function."""
+        """Count requests to storage, and its time, which passes in this process and not in the function."""
 
         def handle(operation: str, request: AWSPreparedRequest) -> Answer:
             if name == "lambda":
                 return service(operation, request)
             begun = time.thread_time()
             try:
-                return service(operation, request)
+                answer = service(operation, request)
             finally:
                 self._storage.seconds += time.thread_time() - begun
+            self.use.waits.append((name, self._gb))
+            if name == "s3":
+                self._count_object(operation, request)
+            else:
+                self._count_units(operation, json.loads(request.body), answer)
+            return answer
 
         return handle
 
-    def _on_request(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
-        service, use = model.service_model.service_name, self.use
-        use.waits.append((service, self._gb))
-        if service == "s3":
-            reading = model.name == "GetObject"
-            use.gets += reading
-            use.puts += model.name == "PutObject"
-            if str(params.get("Key", "")).startswith("calibrations/") and not reading:
-                use.kept += len(params["Body"])
-        elif model.name not in _READS:
-            together = "TransactItems" in params
-            for part in [w["Put"] for w in params["TransactItems"]] if together else [params]:
-                use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
-        self._storage.consistent = params.get("ConsistentRead", False)
+    def _count_object(self, operation: str, request: AWSPreparedRequest) -> None:
+        self.use.gets += operation == "GetObject"
+        self.use.puts += operation == "PutObject"
+        if operation == "PutObject" and "/calibrations/" in request.url:
+            self.use.kept += int(request.headers["X-Amz-Decoded-Content-Length"])  # its checksum is a trailer
 
-    def _on_response(self, http_response: Any, model: Any, **_: object) -> None:
-        if model.name in _READS:
-            self.use.reads += read_units(len(http_response.content), consistent=self._storage.consistent)
+    def _count_units(self, operation: str, asked: dict[str, Any], answer: Answer) -> None:
+        if operation in _READS:
+            consistent = asked.get("ConsistentRead", False)
+            self.use.reads += read_units(len(answer.body), consistent=consistent)
+            return
+        together = "TransactItems" in asked
+        for part in [write["Put"] for write in asked["TransactItems"]] if together else [asked]:
+            self.use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
 
 
 def run_capture(meter: Meter, seed: int) -> None:
