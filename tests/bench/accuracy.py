@@ -37,7 +37,6 @@ class Outcome:
 
     @property
     def complete(self) -> bool:
-        """True if there is a result for the whole set and for every fold."""
         return not self.failure and not self.note
 
     def cells(self) -> list[str]:
@@ -112,7 +111,6 @@ def cells(pair: tuple[Outcome, Outcome]) -> list[str]:
 
 
 def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
-    """Summarise the tables in a paragraph."""
     least = {
         name: min(o.held_out for (n, _), pair in results.items() if n == name for o in pair if o.complete)
         for name, _ in results

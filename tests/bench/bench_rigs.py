@@ -57,7 +57,6 @@ def whole_boards(count: int) -> list[dict[int, View]]:
 
 
 def next_moment() -> Row:
-    """Time in which the next moment of a rig of two is chosen."""
     cameras = [(CAMERA.img_size, "rectilinear")] * 2
     moments = whole_boards(5)
     found = rig.fit(moments, cameras)

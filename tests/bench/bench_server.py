@@ -68,7 +68,6 @@ def shares() -> Iterator[Row]:
 
 
 def rate(url: str, request: Request) -> float:
-    """Requests/s."""
     return 1e3 / drive(url, request, requests=2 * REQUESTS, clients=8).each
 
 

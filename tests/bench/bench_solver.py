@@ -178,7 +178,6 @@ def many() -> Iterator[Row]:
 
 
 def pool_of_fifty() -> Row:
-    """Processor time of a consensus of 50 calibrations, each of twelve views."""
     rng = np.random.default_rng(0)
     camera = synthetic.rectilinear_cameras()[6]
     members = [Member(f"{i}", f"{i}", tuple(populations.views(camera, rng, count=12))) for i in range(50)]

@@ -54,7 +54,6 @@ class Limit:
 
 
 def defaults() -> dict[str, str]:
-    """Defaults of the template's parameters."""
     parameters = parse(ROOT / "template.yaml")["Parameters"]
     return {name: str(parameter.get("Default", "")) for name, parameter in parameters.items()}
 

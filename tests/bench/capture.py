@@ -49,8 +49,6 @@ MAX_RATIO = 1.3
 
 @dataclass(frozen=True)
 class Footage:
-    """Views of one camera, and the board that they show."""
-
     name: str
     board: Board
     img_size: tuple[int, int]
@@ -79,7 +77,6 @@ class Outcome:
 
 
 def footage() -> Iterator[Footage]:
-    """Read every set that is at hand."""
     for name in available(NAMES):
         if document.is_chosen(name):
             views, size = usable_views(name)
@@ -172,8 +169,6 @@ def run(source: Footage, seed: int) -> Outcome | None:
 
 
 def row(source: Footage, outcomes: Sequence[Outcome]) -> list[str]:
-    """Medians of the draws of one set."""
-
     def middle(pairs: Sequence[tuple[float, float]], digits: int = 1) -> str:
         return " / ".join(f"{value:.{digits}f}" for value in np.median(np.array(pairs), axis=0))
 

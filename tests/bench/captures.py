@@ -40,11 +40,9 @@ class Outcome:
     seconds: float
 
     def percentile(self, share: float) -> float:
-        """Latency, ms, that this share of the requests stayed within."""
         return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
 
     def lines(self) -> Iterator[str]:
-        """Yield a summary, line by line."""
         faults = ", ".join(f"{n} {name}" for name, n in sorted(self.counts.items()) if name != "requests")
         yield f"{len(self.heard)} captures in {self.seconds:.0f} s"
         yield f"{self.counts['requests']} requests, of these {faults or 'all on a good line'}"
@@ -155,7 +153,6 @@ def drive(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Drive the stack that is named; return the exit status."""
     parser = argparse.ArgumentParser("python -m tests.bench.captures", description="Many captures at once.")
     parser.add_argument("url", help="of the API, without /v1: http://127.0.0.1:8000")
     parser.add_argument("--token", default="cdb_dev_local")

@@ -54,7 +54,6 @@ def main() -> None:
 
 
 def poisoning(cameras: int) -> str:
-    """Table of what is reliable if 40 % of a camera's calibrations are lies."""
     rows = []
     for variation, views, liars, share in ATTACKS:
         number, effort = int(cameras * share), attacks.EFFORTS.get(views)
@@ -67,7 +66,6 @@ def poisoning(cameras: int) -> str:
 
 
 def run_trial(number: int, variation: float, effort: attacks.Effort | None, liars: int) -> attacks.Trial:
-    """Run the trial of this number, the same one every time."""
     rng, others = np.random.default_rng((7, number)), np.random.default_rng((8, number))
     kind, total = attacks.KINDS[number % 4], int(rng.integers(5, 13))
     return attacks.trial(rng, kind, total, variation, others=others, effort=effort, liars=liars)
@@ -93,7 +91,6 @@ def cells(trials: Sequence[attacks.Trial]) -> list[str]:
 
 
 def profiles() -> str:
-    """Table of the share of draws of five that are called reliable."""
     rng = np.random.default_rng(3)
     modes = {mode: found for mode, found in populations.profiles().items() if len(found) >= 5}
     seen = {mode: populations.members(found, rng) for mode, found in modes.items()}

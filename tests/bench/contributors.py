@@ -48,7 +48,6 @@ def members(camera: Camera, rng: np.random.Generator) -> list[Member]:
 
 
 def outcome(camera: Camera, given: list[Member], *, drawn: bool) -> Outcome:
-    """Pool the contributors with their boards as `drawn`, or in their shapes."""
     fitted = as_drawn if drawn else fit_once
     with patch("calibsolver.consensus.pooling.fit_once", as_drawn) if drawn else nullcontext():
         found = pool(given, camera.img_size, camera.model, RULE)

@@ -53,8 +53,6 @@ class _Storage(threading.local):
 
 
 class Meter:
-    """Counter of the resources that a stack's functions use."""
-
     def __init__(self, stack: LocalStack) -> None:
         self._stack = stack
         self.use = Usage()
@@ -63,7 +61,6 @@ class Meter:
 
     @contextmanager
     def running(self) -> Iterator[Usage]:
-        """Count within the block, from zero."""
         self.use = Usage()
         functions = dict(self._stack.functions)
         self._stack.functions.update({name: self._wrap_with_timer(f) for name, f in functions.items()})
@@ -74,7 +71,6 @@ class Meter:
             self._stack.functions.update(functions)
 
     def ask(self, method: str, path: str, credential: str, body: object = None, query: str = "") -> bytes:
-        """Send a request through the gateway and count it."""
         content = json.dumps(body).encode() if body is not None else b""
         headers = {"authorization": f"Bearer {credential}"}
         answer = self._stack.request(method, path, headers, query, content)

@@ -45,7 +45,6 @@ def missing_or_double(data_dir: Path, heard: list[CaptureRecord]) -> list[str]:
 
 
 def main() -> int:
-    """Run it all and print what came out."""
     sessions, clients = int(os.environ.get("SESSIONS", "2000")), int(os.environ.get("CLIENTS", "64"))
     with tempfile.TemporaryDirectory() as folder:
         data_dir = Path(folder) / "data"

@@ -39,7 +39,6 @@ def lookups_for(rate: float, locations: int) -> float:
 
 
 def price(forwarded_price: float, cached: float, rate: float = HIT_RATE) -> float:
-    """Price a million lookups, USD, a share `rate` of which CloudFront answers from its cache."""
     return (1 - rate) * forwarded_price + rate * cached
 
 

@@ -73,29 +73,24 @@ def model_of(fact: Fact) -> tuple[str, str]:
 
 
 def is_aspect(fact: Fact) -> bool:
-    """True if `size` is an aspect only, such as 16, 9."""
     return fact.size[0] < 64
 
 
 def device(fact: Fact) -> Device:
-    """Device that a fact is about, its model named."""
     words = max(fact.words, key=len) if fact.words else frozenset[str]()
     return Device(fact.kind, fact.maker, fact.camera, fact.devices, words)
 
 
 def without(*models: tuple[str, str]) -> Knowledge:
-    """The table without some models."""
     return Knowledge(fact for fact in all_facts() if model_of(fact) not in models)
 
 
 def estimated(of: Device, size: tuple[float, float], about: Sequence[Fact]) -> Distribution:
-    """Estimate from facts about the model, and the rest of the table without the model."""
     stated = published(about, of, size)
     return combine_evidence(without(*map(model_of, about)), of, size, [stated] if stated else [])
 
 
 def about_same_camera(fact: Fact) -> list[Fact]:
-    """Other facts about a camera of the same model."""
     camera = (*model_of(fact), fact.camera)
     return [f for f in all_facts() if (*model_of(f), f.camera) == camera and f is not fact]
 
@@ -231,7 +226,6 @@ def needed(cases: Sequence[Case]) -> float:
 
 
 def coverage(cases: Sequence[Case]) -> str:
-    """Table of coverage and width: each basis, and its groups."""
     rows = []
     for basis, own in grouped(cases, lambda c: c.basis).items():
         rows.append(summary([c for c in own if not c.group.startswith(FILES)], f"**{basis}**"))

@@ -47,13 +47,11 @@ def runs(sigma: float | None, seeds: int, **options: int) -> Iterator[synthetic.
 
 
 def first_accepted(sigma: float | None, seeds: int = 6) -> float:
-    """Share of the captures whose first attempt is accepted."""
     sessions = runs(sigma, seeds, views=1, max_attempts=1)
     return statistics.fmean(len(session.views) for session in sessions)
 
 
 def measure(sigma: float | None) -> Captures:
-    """Run whole captures, and their first attempts apart."""
     sessions = list(runs(sigma, 6, views=2, max_views=MAX_VIEWS))
     return Captures(
         first=first_accepted(sigma),

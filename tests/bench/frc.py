@@ -15,7 +15,6 @@ SHIFT_PX, EVERY = 3.0, 10
 
 
 def spoiled(views: Sequence[View]) -> list[View]:
-    """Return the views with a bad snapshot in every tenth."""
     made = []
     for i, view in enumerate(views):
         moved = np.array(view.image_points)

@@ -87,7 +87,6 @@ def row(name: str, found: Sequence[Session], ends: bool = True) -> list[str]:
 
 
 def at_end(found: Sequence[Session], of: str) -> list[float]:
-    """Figures of the captures that ended, at their ends."""
     return [getattr(s, of)[s.stopped - 1] for s in found if s.stopped]
 
 
@@ -124,7 +123,6 @@ def methods(seeds: int) -> str:
 
 
 def conditions(seeds: int) -> str:
-    """The default method under harder conditions, at 0.2 px."""
     straight = synthetic.rectilinear_cameras()
     harder: list[tuple[str, Run, Sequence[Camera]]] = [
         ("comfortable poses only", comfortable, straight),

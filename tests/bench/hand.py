@@ -41,8 +41,6 @@ FINISHED_S = 90.0
 
 @dataclass(frozen=True)
 class Person:
-    """A person who holds a board in front of a camera."""
-
     camera: Camera
     rng: np.random.Generator
     board: Board = field(default_factory=Board)
@@ -58,12 +56,10 @@ class Person:
         return coefficients
 
     def see(self, rvec: np.ndarray, tvec: np.ndarray, bend: np.ndarray) -> View | None:
-        """Corners that the detector finds in a picture of the board at a pose."""
         found = self.detector.find(self.picture(rvec, tvec, bend))
         return None if found is None else self.board.view(found.ids, found.points)
 
     def picture(self, rvec: np.ndarray, tvec: np.ndarray, bend: np.ndarray) -> np.ndarray:
-        """Draw the board, in a hand that trembles."""
         w, h = self.camera.img_size
         shift = HAND.speed_cm_s / hands.SQUARE_CM * self.rng.normal(size=3)
         turn = np.radians(HAND.turn_deg_s) * self.rng.normal(size=3)

@@ -70,7 +70,6 @@ def run_trial(number: int) -> Outcome:
 
 
 def table(cameras: int) -> str:
-    """Table of what is answered without liars, and how far one and two move it."""
     outcomes = [run_trial(number) for number in track(range(cameras), "honest worlds", cameras)]
     rows = [row("five, no attacker", [o.first_five for o in outcomes])]
     for what, chosen in (

@@ -100,7 +100,6 @@ def parameters(calibration: Calibration) -> tuple[Array, Array]:
 
 
 def standardized(one: tuple[Array, Array], other: tuple[Array, Array]) -> list[float]:
-    """|difference| / deviation of fx, fy, cx, cy."""
     z: Array = np.abs(one[0] - other[0]) / np.sqrt(one[1] ** 2 + other[1] ** 2)
     return z.tolist()
 

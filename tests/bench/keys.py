@@ -47,7 +47,6 @@ def labels() -> list[Label]:
 
 
 def resolved(asked: Identity, known: Sequence[Label]) -> str:
-    """Key that answers if every label with a USB id was calibrated."""
     ids = {k.identity.key for k in known if k.identity.usb_id and asked.key in k.identity.name_keys}
     return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
 
@@ -81,7 +80,6 @@ def compared(found: Sequence[Label]) -> list[list[str]]:
 
 
 def is_evident(a: Label, b: Label) -> bool:
-    """True if two labels share a USB id or a name."""
     return (
         (a.identity.usb_id and a.identity.usb_id == b.identity.usb_id)
         or a.label.casefold().strip() == b.label.casefold().strip()

@@ -35,7 +35,6 @@ def is_committed(name: str) -> bool:
 
 
 def available(names: Iterable[str]) -> list[str]:
-    """Those corner sets that are at hand."""
     return [name for name in names if EXTERNAL is not None or is_committed(name)]
 
 
@@ -71,7 +70,6 @@ def on_board(views: Sequence[View]) -> tuple[Board, tuple[tuple[int, ...], ...],
 
 
 def float32(views: Sequence[View]) -> tuple[list[Any], list[Any]]:
-    """Points of boards and images as `cv2.calibrateCamera` takes them."""
     return (
         [view.object_points.astype(np.float32) for view in views],
         [view.image_points.astype(np.float32) for view in views],

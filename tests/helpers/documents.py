@@ -16,8 +16,6 @@ CODE = ("sh", "js", "html", "python")
 
 @dataclass(frozen=True)
 class Block:
-    """One block of code, and its first line."""
-
     source: str
     line: int
     language: str

@@ -194,7 +194,6 @@ class RealCamera(BoardCamera):
 
 
 def enlarged(coarse: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Interpolate values at every COARSE_PX-th pixel."""
     w, h = size
     down = np.array([[1 / COARSE_PX, 0, 0], [0, 1 / COARSE_PX, 0]])
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP

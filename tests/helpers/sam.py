@@ -26,8 +26,6 @@ def resources() -> dict[str, Any]:
 
 
 class ManagedPolicies:
-    """Managed policies of the account, for the translator."""
-
     def load(self) -> dict[str, str]:
         return {
             "AWSLambdaBasicExecutionRole": "arn:aws:iam::aws:policy/service-role/AWSLambdaBasicExecutionRole"
@@ -66,7 +64,6 @@ def without_events(source: dict[str, Any]) -> dict[str, Any]:
 
 
 def versions(template: dict[str, Any]) -> dict[str, str]:
-    """Function -> logical id of the version that its alias points to."""
     return {
         resource["Properties"]["FunctionName"]["Ref"]: name
         for name, resource in template["Resources"].items()

@@ -96,7 +96,6 @@ class VirtualCamera(BoardCamera):
         return cv2.add(seen, self.grain[self.frames % len(self.grain)], dtype=cv2.CV_8U)
 
     def follow(self, words: str) -> None:
-        """Move by what a hand does in the time of a frame."""
         codes = {text: code for code, text in TEXTS.items()} | {SHOW: "farther"}
         code = codes.get(words, "")
         self.place = self.place + STEP * self.place[2] * np.array(MOVES.get(code, (0, 0, 0)))
@@ -107,8 +106,6 @@ class VirtualCamera(BoardCamera):
 
 @dataclass
 class Listener:
-    """Feedback that passes the words to the person, and remembers what was said."""
-
     camera: VirtualCamera
     said: list[str] = field(default_factory=list)
     views: int = 0

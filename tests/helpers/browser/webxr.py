@@ -16,7 +16,6 @@ SHARED = Path(__file__).with_name("webxr.js").read_text()
 
 
 def script(body: str, **constants: object) -> str:
-    """Source of a function to run in a page."""
     given = "".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
     return f"async () => {{ {given} {SHARED} {body} }}"
 

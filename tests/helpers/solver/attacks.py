@@ -43,7 +43,6 @@ class Trial:
 
     @property
     def reliable(self) -> bool:
-        """True if there is a reliable consensus in spite of the lies."""
         return self.attacked is not None and self.attacked.reliable
 
     @property

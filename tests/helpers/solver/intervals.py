@@ -31,7 +31,6 @@ class Intervals:
 
     @property
     def projection(self) -> float:
-        """Root mean square of the ratios."""
         return float(np.sqrt(np.mean(self.ratio**2)))
 
     @property

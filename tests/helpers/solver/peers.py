@@ -105,7 +105,6 @@ def _seen(
 
 
 def _calibrated(camera: Camera, views: list[View]) -> Session:
-    """Session that calibrates again after each view."""
     session = Session()
     for view in views:
         session.attempts += 1

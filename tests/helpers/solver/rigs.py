@@ -64,7 +64,6 @@ def side_by_side(cameras: Sequence[Camera], baseline: float) -> Rig:
 
 
 def ring(cameras: Sequence[Camera], radius: float) -> Rig:
-    """Rig of cameras on a circle, looking outwards."""
     step = 2 * np.pi / len(cameras)
     motions = [
         placed((radius * np.sin(i * step), 0, radius * (np.cos(i * step) - 1)), (0, i * step, 0))

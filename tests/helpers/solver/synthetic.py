@@ -75,7 +75,6 @@ def fisheye_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
 
 
 def of_diagonal(model: str, d: np.ndarray, angle: float, rng: np.random.Generator) -> Camera:
-    """Camera that sees `angle` over its diagonal."""
     reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
     return Camera(model, camera_matrix(np.hypot(*IMG_SIZE) / 2 / reach, rng), d, IMG_SIZE)
 
@@ -194,7 +193,6 @@ def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 
 
 
 def rms_error(truth: Camera, found: Camera) -> float:
-    """Root mean square of `projection_error`, px."""
     return float(np.sqrt(np.mean(projection_error(truth, found) ** 2)))
 
 
@@ -213,7 +211,6 @@ class Sitting:
 
     @property
     def used(self) -> list[View]:
-        """Views that are not excluded."""
         return [view for i, view in enumerate(self.views) if i not in self.estimate.excluded]
 
     @property
