@@ -196,13 +196,13 @@ def limit(seeds: int) -> str:
 SWEEPS = 2
 
 
-def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[float]:
+def bound(camera: Camera, counts: tuple[int, ...]) -> list[float]:
     """Predicted rms error over the image, px, of the best `counts` views found: greedy, then exchanged."""
     board = Board()
     guide = ProjectionUncertainty(board, camera.img_size, camera.model)
     model, k = guide.model, camera.intrinsics
     nothing = IntrinsicsPosterior(
-        model, k, prior.information(model, k, camera.img_size), noise, camera.img_size
+        model, k, prior.information(model, k, camera.img_size), 0.2, camera.img_size
     )
     found: list[np.ndarray] = []
     out = []

@@ -33,9 +33,9 @@ def render(rows: Iterable[Row]) -> str:
     return document.table(["what", "measured", "budget", "", "note"], [row.cells() for row in rows])
 
 
-def p50(action: Callable[[], object], repeat: int = 30, warm: int = 3) -> float:
-    """Median wall time of `action` in ms, after `warm` runs that do not count."""
-    for _ in range(warm):
+def p50(action: Callable[[], object], repeat: int = 30) -> float:
+    """Median wall time of `action` in ms, after three runs that do not count."""
+    for _ in range(3):
         action()
     times = []
     for _ in range(repeat):

@@ -4,7 +4,7 @@ Pictures have noise, rolling shutter, motion blur and JPEG. The person follows t
 reaction time, misses it, and tries again if no view is taken.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import cv2
@@ -23,25 +23,13 @@ MAX_SHARP_PX = 0.5
 """Motion during the exposure that blurs nothing."""
 PATIENCE_S = 2.5
 """Time held at a place before it is tried again."""
-
-
-@dataclass(frozen=True)
-class Habits:
-    """Habits of a person, and the state of the board.
-
-    `off_…`: standard deviation by which a pose is missed, per axis and of the distance. `tremor_…`: amplitude
-    at 7 to 11 Hz. `drift_…`: velocity, root mean square. `bend_mm`: height of the board's middle over its
-    edges. `follows`: False holds the board anywhere, for PATIENCE_S each.
-    """
-
-    off_degrees: float = 5.0
-    off_share: float = 0.05
-    tremor_mm: float = 0.3
-    tremor_degrees: float = 0.1
-    drift_mm_s: float = 2.0
-    drift_degrees_s: float = 0.3
-    bend_mm: float = 1.0
-    follows: bool = True
+OFF_DEGREES, OFF_SHARE = 5.0, 0.05
+"""Standard deviation by which a pose is missed: per axis, and of the distance."""
+TREMOR = np.repeat([np.radians(0.1), 0.3 / SQUARE_MM], 3)
+"""Amplitude at 7 to 11 Hz, of rotations (rad) and places (squares)."""
+DRIFT = np.repeat([np.radians(0.3), 2.0 / SQUARE_MM], 3)
+"""Velocity per second, root mean square."""
+NOISE, JPEG_QUALITY = 2.0, 85
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +50,14 @@ class Pose:
 
 @dataclass
 class RealCamera(BoardCamera):
-    """Source of pictures (h, w) of a board in a hand, and `Feedback`."""
+    """Source of pictures (h, w) of a board in a hand, and `Feedback`.
+
+    `bend_mm`: height of the board's middle over its edges. `follows`: False holds the board anywhere.
+    """
 
     frame_s = 1 / 15
-    habits: Habits = field(default_factory=Habits)
-    noise: float = 2.0
-    jpeg_quality: int = 85
-    views: int = 0
+    bend_mm: float = 1.0
+    follows: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -76,23 +65,21 @@ class RealCamera(BoardCamera):
         self.bend_axis = self.rng.uniform(0, np.pi)
         self.drift = np.zeros(6)
         w, h = self.size
-        self.grain = [self.rng.normal(0, self.noise, (h, w)).astype(np.float32) for _ in range(7)]
+        self.grain = [self.rng.normal(0, NOISE, (h, w)).astype(np.float32) for _ in range(7)]
         start = Pose(np.eye(3), np.array([0, 0, 1.4 * max(self.board.size)]))
         self.begin, self.goal, self.leaves_at, self.arrives_at = start, start, 0.0, 0.0
         self.target: Target | None = None
 
     def read(self) -> tuple[bool, np.ndarray]:
         self.frames += 1
-        h = self.habits
-        scale = np.repeat([np.radians(h.drift_degrees_s), h.drift_mm_s / SQUARE_MM], 3)
-        velocity = scale * self.rng.normal(size=6)
+        velocity = DRIFT * self.rng.normal(size=6)
         self.drift = 0.98 * self.drift + velocity * self.frame_s
-        if not h.follows and self.clock() > self.arrives_at + PATIENCE_S:
+        if not self.follows and self.clock() > self.arrives_at + PATIENCE_S:
             self.leave(self.anywhere())
         return True, self.picture()
 
     def show(self, scene: Scene) -> str:
-        if not self.habits.follows:
+        if not self.follows:
             return ""
         is_new = self.target is not scene.target
         if is_new or self.clock() > self.arrives_at + PATIENCE_S:
@@ -116,8 +103,8 @@ class RealCamera(BoardCamera):
         return Pose(rotation, rotation @ self.middle + tvec.ravel())
 
     def missed(self, pose: Pose) -> Pose:
-        turn = np.radians(self.habits.off_degrees) * self.rng.normal(size=3)
-        shift = self.habits.off_share * np.linalg.norm(pose.place) * self.rng.normal(size=3)
+        turn = np.radians(OFF_DEGREES) * self.rng.normal(size=3)
+        shift = OFF_SHARE * np.linalg.norm(pose.place) * self.rng.normal(size=3)
         return pose.moved(turn, shift)
 
     def anywhere(self) -> Pose:
@@ -129,13 +116,11 @@ class RealCamera(BoardCamera):
         """Pose by a movement of least jerk."""
         s = np.clip((time - self.leaves_at) / max(self.arrives_at - self.leaves_at, 1e-9), 0, 1)
         pose = self.begin.towards(self.goal, s**3 * (10 - 15 * s + 6 * s * s))
-        h = self.habits
-        scale = np.repeat([np.radians(h.tremor_degrees), h.tremor_mm / SQUARE_MM], 3)
-        move = self.drift + scale * np.sin(2 * np.pi * self.rates * time + self.phases)
+        move = self.drift + TREMOR * np.sin(2 * np.pi * self.rates * time + self.phases)
         return pose.moved(move[:3], move[3:])
 
     def taken(self, status: Status) -> None:
-        self.views = status.views
+        pass
 
     def note(self, text: str) -> None:
         pass
@@ -159,7 +144,7 @@ class RealCamera(BoardCamera):
         parts = (0.0,) if is_sharp else (-0.33, 0.0, 0.33)
         seen = sum(self.exposed(time + part * EXPOSURE_S) / len(parts) for part in parts)
         grey = cv2.add(seen, self.grain[self.frames % len(self.grain)], dtype=cv2.CV_8U)
-        _, jpeg = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg_quality])
+        _, jpeg = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
         return cv2.imdecode(jpeg, cv2.IMREAD_GRAYSCALE)
 
     def exposed(self, time: float) -> np.ndarray:
@@ -190,7 +175,7 @@ class RealCamera(BoardCamera):
         half = max(self.board.size) / 2
         axis = np.array([np.cos(self.bend_axis), np.sin(self.bend_axis)])
         across = np.clip((point - self.middle[:2]) @ axis / half, -1, 1)
-        return self.habits.bend_mm / SQUARE_MM * (1 - across**2)
+        return self.bend_mm / SQUARE_MM * (1 - across**2)
 
 
 def enlarged(coarse: np.ndarray, size: tuple[int, int]) -> np.ndarray:

@@ -42,7 +42,6 @@ class BoardCamera:
     board: Board = field(default_factory=Board)
     size: tuple[int, int] = (640, 480)
     fx: float = 570.0
-    k1: float = -0.08
     seed: int = 0
     frames: int = 0
 
@@ -50,7 +49,7 @@ class BoardCamera:
         self.rng = np.random.default_rng(self.seed)
         w, h = self.size
         self.matrix = np.array([[self.fx, 0, w / 2 + 4], [0, self.fx, h / 2 - 3], [0, 0, 1.0]])
-        self.distortion = np.array([self.k1, 0.01, 0, 0, 0])
+        self.distortion = np.array([-0.08, 0.01, 0, 0, 0])
         drawn = np.frombuffer(png(self.board, SQUARE_PX), np.uint8)
         self.sheet = cv2.imdecode(drawn, cv2.IMREAD_GRAYSCALE)
         self.middle = np.array([*self.board.edge.mean(axis=0), 0])
@@ -64,7 +63,6 @@ class VirtualCamera(BoardCamera):
     """Source of pictures (h, w), with distortion and noise, of a board in a hand that follows words."""
 
     frame_s = 0.12
-    noise: float = 1.0
     words: str = ""
 
     def __post_init__(self) -> None:
@@ -75,9 +73,7 @@ class VirtualCamera(BoardCamera):
         pixels = np.indices((h, w), dtype=np.float64)[::-1].reshape(2, -1).T
         bent = cv2.undistortPoints(pixels[:, None], self.matrix, self.distortion, P=self.pinhole)
         self.lens = cv2.convertMaps(bent.reshape(h, w, 2).astype(np.float32), None, cv2.CV_16SC2)
-        self.grain = [
-            np.clip(self.rng.normal(0, self.noise, (h, w)), -20, 20).astype(np.int8) for _ in range(7)
-        ]
+        self.grain = [np.clip(self.rng.normal(0, 1, (h, w)), -20, 20).astype(np.int8) for _ in range(7)]
         self.rotation, self.place = np.eye(3), np.array([0, 0, 1.4 * max(self.board.size)])
 
     def read(self) -> tuple[bool, np.ndarray]:

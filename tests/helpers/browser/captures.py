@@ -71,9 +71,9 @@ def capture(api: httpx.Client, truth: Truth, key: dict[str, Any], seed: int) -> 
     return state
 
 
-def agreed(api: httpx.Client, key: dict[str, Any], model: str = "rectilinear") -> dict[str, Any]:
+def agreed(api: httpx.Client, key: dict[str, Any]) -> dict[str, Any]:
     """Wait for the consensus of a camera."""
-    wanted = key | {"distortion_model": model, "redirect": False}
+    wanted = key | {"distortion_model": "rectilinear", "redirect": False}
 
     def found() -> dict[str, Any] | None:
         answer = api.post("/lookup", json=wanted)

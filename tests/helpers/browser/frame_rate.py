@@ -51,10 +51,10 @@ def start(page: Page) -> None:
     page.locator(".corner").first.wait_for(state="attached")
 
 
-def median_pace(page: Page, windows: int = 3, ms: int = 3_000) -> Pace:
-    """Median of each figure over windows of a capture."""
+def median_pace(page: Page) -> Pace:
+    """Median of each figure over three windows of a capture, 3 s each."""
     start(page)
-    paces = [page.evaluate(MEASURE, ms) for _ in range(windows)]
+    paces = [page.evaluate(MEASURE, 3_000) for _ in range(3)]
     return Pace(*(statistics.median(pace[name] for pace in paces) for name in ("rate", "longest")))
 
 

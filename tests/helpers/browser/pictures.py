@@ -44,9 +44,9 @@ SMALL = """([finger, inline]) => {
 }"""
 
 
-def remaining(page: Page, faults: Callable[[], T], seconds: float = TIMEOUT_S) -> T:
-    """Faults of a page that remain after its changes have ended, or after so many seconds."""
-    end = time.monotonic() + seconds
+def remaining(page: Page, faults: Callable[[], T]) -> T:
+    """Faults of a page that remain after its changes have ended, or after TIMEOUT_S."""
+    end = time.monotonic() + TIMEOUT_S
     while (found := faults()) and time.monotonic() < end:
         page.evaluate(SETTLED)
     return found

@@ -11,7 +11,7 @@ from .pictures import SETTLED, remaining
 from .scenes import BLIND_DETECTOR
 from .scripts import page_function
 from .specimens import camera, cameras, dump, result, rig, statistics
-from .waiting import TIMEOUT_S, at_rest
+from .waiting import at_rest
 
 PAGES = {
     "landing": "",
@@ -141,7 +141,7 @@ def shifts(page: Page) -> list[tuple[float, list[str]]]:
     return found
 
 
-def faults(page: Page, width: int, seconds: float = TIMEOUT_S) -> list[str]:
+def faults(page: Page, width: int) -> list[str]:
     page.set_viewport_size(SIZES[width])
     page.evaluate(SETTLED)
-    return remaining(page, lambda: page.evaluate(_AMISS), seconds)
+    return remaining(page, lambda: page.evaluate(_AMISS))

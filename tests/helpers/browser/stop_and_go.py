@@ -27,9 +27,9 @@ def frames_of(path: Path) -> list[Any]:
     return frames
 
 
-def stop_and_go(frames: Sequence[Any], poses: int = POSES) -> Iterator[Any]:
-    """Hold `poses` frames, spread evenly, and let those between pass."""
-    stops = [round(n * (len(frames) - 1) / (poses - 1)) for n in range(poses)]
+def stop_and_go(frames: Sequence[Any]) -> Iterator[Any]:
+    """Hold POSES frames, spread evenly, and let those between pass."""
+    stops = [round(n * (len(frames) - 1) / (POSES - 1)) for n in range(POSES)]
     for here, there in zip(stops, [*stops[1:], stops[-1]], strict=True):
         yield from [frames[here]] * round(HELD_S * RATE)
         if there > here:

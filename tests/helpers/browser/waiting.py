@@ -43,14 +43,14 @@ _DRAWN = """() => new Promise((done) =>
 T = TypeVar("T")
 
 
-def until(page: Page, holds: Callable[[], T], seconds: float = TIMEOUT_S) -> T:
+def until(page: Page, holds: Callable[[], T]) -> T:
     """Wait until a condition holds that no locator can express, and return its value.
 
     The condition is evaluated after each request, or after 50 ms.
     """
-    end = time.monotonic() + seconds
+    end = time.monotonic() + TIMEOUT_S
     while not (found := holds()):
-        assert time.monotonic() < end, f"it did not happen in {seconds:.0f} s"
+        assert time.monotonic() < end, f"it did not happen in {TIMEOUT_S:.0f} s"
         with suppress(PlaywrightTimeoutError):
             page.wait_for_event("request", timeout=50)
     return found
@@ -65,8 +65,8 @@ def requests_within(page: Page, seconds: float) -> list[str]:
 
 
 @contextmanager
-def at_rest(page: Page, seconds: float = 15.0) -> Iterator[None]:
-    """Wait until the requests of the block have ended and the page is drawn, or for so many seconds.
+def at_rest(page: Page) -> Iterator[None]:
+    """Wait until the requests of the block have ended and the page is drawn, or for 15 s.
 
     `networkidle` takes half a second more for each page, and never comes if a worker's import fails.
     """
@@ -82,7 +82,7 @@ def at_rest(page: Page, seconds: float = 15.0) -> Iterator[None]:
     for event, listener in listeners.items():
         page.on(event, listener)  # type: ignore[call-overload]
     yield
-    limit, quiet = time.monotonic() + seconds, 0
+    limit, quiet = time.monotonic() + 15, 0
     while quiet < 3 and time.monotonic() < limit:
         page.evaluate(_DRAWN)
         quiet = 0 if pending else quiet + 1

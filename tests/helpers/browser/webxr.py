@@ -10,7 +10,6 @@ from .specimens import result
 from .truth import Truth
 
 LABEL = "WebXR Test Camera (1234:0a0b)"
-KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
 TRUTH = Truth()
 SHARED = Path(__file__).with_name("webxr.js").read_text()
 

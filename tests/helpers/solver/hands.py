@@ -15,16 +15,10 @@ SQUARE_CM = 3.0
 class Hand:
     """Motion during one frame, and the shape of the board.
 
-    Attributes
-    ----------
-    readout_s
-        Time between the first and the last row of an image; 0: a global shutter.
-    speed_cm_s, turn_deg_s
-        Root mean square velocity of the board along and about each axis: the tremor of a hand that rests.
-    sag_boards
-        Largest height of the board over its plane / its longer side; one shape in all views of a capture.
-    focal_share
-        Root mean square change of the focal length between views / the focal length: autofocus that hunts.
+    `readout_s`: from the first to the last row of an image. `speed_cm_s`, `turn_deg_s`: root mean square
+    velocity of the board along and about each axis. `sag_boards`: largest height over the plane of the board /
+    its longer side, the same in all views of a capture. `focal_share`: root mean square change of the focal
+    length between views / the focal length, by autofocus.
     """
 
     readout_s: float = 0.0

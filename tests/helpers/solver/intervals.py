@@ -40,12 +40,12 @@ class Intervals:
         return share
 
 
-def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed: int = 0) -> Intervals:
-    rng = np.random.default_rng(seed)
+def measure(model: str, captures: int, views: int = 8) -> Intervals:
+    rng = np.random.default_rng(0)
     ratio, z, out_of_domain, failed = [], [], 0, 0
-    for camera in POPULATIONS[model](captures, seed=seed):
+    for camera in POPULATIONS[model](captures):
         try:
-            c = fit(populations.views(camera, rng, noise, views), camera.img_size, model)
+            c = fit(populations.views(camera, rng, count=views), camera.img_size, model)
         except CalibrationError:
             failed += 1
             continue

@@ -33,9 +33,7 @@ class Comfortable(ProjectionUncertainty):
         return super().choose(posterior, index, COMFORTABLE, *others, **named)
 
 
-def run_published_method(
-    camera: Camera, rng: np.random.Generator, noise: float = 0.2, max_attempts: int = 100
-) -> Session:
+def run_published_method(camera: Camera, rng: np.random.Generator, noise: float = 0.2) -> Session:
     """The published method as it is: its poses, plain least squares, its overlap rule, its own end.
 
     Drawn with a wrong focal length some targets cannot be reached: the best of MAX_ATTEMPTS is taken.
@@ -43,7 +41,7 @@ def run_published_method(
     board, user = Board(), User()
     guide = PoseSelection(board, camera.img_size, camera.model)
     session, tried = Session(), list[tuple[float, View]]()
-    while session.attempts < max_attempts and not guide.is_done(session.views):
+    while session.attempts < 100 and not guide.is_done(session.views):
         session.attempts += 1
         target = guide.next_pose(session.views, None)
         asked = match_picture(board, guide.camera(session.views), camera, target)

@@ -96,16 +96,14 @@ def moments(
     raise ValueError("the cameras look in different directions")
 
 
-def transfer_error(
-    truth: Rig, found: Rig, distances: Sequence[float], grid: tuple[int, int] = (12, 9)
-) -> float:
+def transfer_error(truth: Rig, found: Rig, distances: Sequence[float]) -> float:
     """Rms distance, px, of points of one camera in another from where `found` has them, over ordered pairs.
 
     The points are pixels on a grid that land in the other image, at a distance along the ray.
     """
     squares = []
     for i, one in enumerate(found.cameras):
-        pixels = pixel_grid(one.img_size, grid).reshape(2, -1).T
+        pixels = pixel_grid(one.img_size, (12, 9)).reshape(2, -1).T
         for j, other in enumerate(found.cameras):
             if i == j:
                 continue
