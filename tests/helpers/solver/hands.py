@@ -16,8 +16,8 @@ class Hand:
     """Motion during one frame, and the shape of the board.
 
     `readout_s`: from the first to the last row of an image. `speed_cm_s`, `turn_deg_s`: root mean square
-    velocity of the board along and about each axis. `sag_boards`: largest height over the plane of the board /
-    its longer side, the same in all views of a capture. `focal_share`: root mean square change of the focal
+    velocity of the board along and about each axis. `sag_boards`: largest height of the board / its
+    longer side, the same in all views of a capture. `focal_share`: root mean square change of the focal
     length between views / the focal length, by autofocus.
     """
 
