@@ -30,7 +30,7 @@ def rows() -> Iterator[Row]:
 
 
 def one_known(stack: Server) -> Callable[[], object]:
-    """Let one camera be known, and return a lookup of it."""
+    """Publish a consensus, and return a lookup of its camera."""
     store = Store.of(Settings.from_environment(stack.environment))
     store.calibrations.publish(calibration())
     store.consensuses.put(consensus(), GroupsDocument(pooled=""), None)

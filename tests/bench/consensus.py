@@ -113,7 +113,7 @@ def profiles() -> str:
 def rate(
     members: Sequence[Member], found: Sequence[tuple[Camera, float]], rng: np.random.Generator
 ) -> Sequence[float]:
-    """Share of the draws of five that are reliable, and of those that could be by their intrinsics alone."""
+    """Share of the draws of five that are reliable, and of those that could be by their intrinsics only."""
     draws = list(itertools.combinations(range(len(members)), 5))
     if len(draws) > MAX_DRAWS:
         draws = [draws[i] for i in rng.choice(len(draws), MAX_DRAWS, replace=False)]

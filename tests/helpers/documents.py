@@ -2,12 +2,11 @@
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
 from textwrap import dedent
 
 from infra.web_build.docs.catalog import ENTRIES
+from tests.helpers.data import ROOT
 
-ROOT = Path(__file__).parents[2]
 _FENCE = re.compile(r"^( *)```(\S+)([^\n]*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
 SITE = "http://127.0.0.1:8000"
 #: languages of code; other blocks are answers, formats and addresses
