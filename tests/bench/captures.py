@@ -22,6 +22,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
+import numpy as np
 
 from infra.console import track
 from infra.deploy.smoke_capture import CallError, CaptureRecord, call, capture
@@ -36,17 +37,15 @@ class Outcome:
 
     heard: list[CaptureRecord]
     counts: Counter[str]
-    latencies: list[float]  # ms, sorted
+    latencies: list[float]  # ms
     seconds: float
 
-    def percentile(self, share: float) -> float:
-        return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
-
     def lines(self) -> Iterator[str]:
+        median, late = np.quantile(self.latencies, (0.5, 0.95))
         faults = ", ".join(f"{n} {name}" for name, n in sorted(self.counts.items()) if name != "requests")
         yield f"{len(self.heard)} captures in {self.seconds:.0f} s"
         yield f"{self.counts['requests']} requests, of these {faults or 'all on a good line'}"
-        yield f"responses after {self.percentile(0.5):.0f} ms (median), {self.percentile(0.95):.0f} ms (95 %)"
+        yield f"responses after {median:.0f} ms (median), {late:.0f} ms (95 %)"
 
 
 @dataclass
@@ -147,7 +146,7 @@ def drive(
     return Outcome(
         heard,
         sum((line.counts for line in lines), Counter()),
-        sorted(latency for line in lines for latency in line.latencies),
+        [latency for line in lines for latency in line.latencies],
         time.perf_counter() - start,
     )
 

@@ -47,6 +47,7 @@ def labels() -> list[Label]:
 
 
 def resolved(asked: Identity, known: Sequence[Label]) -> str:
+    """Key by which a lookup would be answered if every label with a USB id was calibrated."""
     ids = {k.identity.key for k in known if k.identity.usb_id and asked.key in k.identity.name_keys}
     return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
 

@@ -40,13 +40,10 @@ def page(path: str) -> Request:
 
 @dataclass(frozen=True)
 class Load:
-    """Measurements, ms: `each`, the wall time over the number of requests, and `latencies`, sorted."""
+    """Measurements, ms: `each`, the wall time over the number of requests, and `latencies`."""
 
     each: float
     latencies: list[float]
-
-    def percentile(self, share: float) -> float:
-        return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
 
 
 def drive(url: str, request: Request, *, requests: int, clients: int, rate: float = 0.0) -> Load:
@@ -123,7 +120,7 @@ def main(asked: Mapping[str, str], requests: int, clients: int, rate: float) -> 
             received[number] = b""
             idle.append(number)
     elapsed = time.perf_counter() - start
-    print(json.dumps({"each": elapsed * 1e3 / requests, "latencies": sorted(latencies)}))
+    print(json.dumps({"each": elapsed * 1e3 / requests, "latencies": latencies}))
 
 
 if __name__ == "__main__":
