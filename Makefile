@@ -142,19 +142,14 @@ else
 	@$(ONE_CORE) $(PY) -m tests.bench
 endif
 
-# SESSIONS=2000 CLIENTS=64
-.bench-load:
-	@$(PY) -m tests.bench.crowd
+.bench-%: export PYTHONPATH := $(PYTHONPATH):clients/python
 
-# SEEDS=3 ONLY=jy_left,uk; they detect boards in videos as the client does
-.bench-capture .bench-real-contributors: export PYTHONPATH := $(PYTHONPATH):clients/python
-
-.bench-cost:
-	@$(ONE_CORE) $(PY) -m tests.bench.cost
-
-# Of guidance: SEEDS=10 ONLY=methods,conditions,hands,bound
+# The first lines of each module name its options, such as SEEDS=10.
 .bench-%:
 	@$(ONE_CORE) $(PY) -m tests.bench.$(subst -,_,$*)
+
+.bench-load:
+	@$(PY) -m tests.bench.crowd
 
 bench-%:
 	@$(MAKE) --no-print-directory bench DOCS=$*

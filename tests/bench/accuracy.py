@@ -1,9 +1,7 @@
-"""`make bench DOCS=accuracy`: every real corner set with every model, ours beside OpenCV's.
+"""`make bench DOCS=accuracy`: every real corner set with every model, ours and OpenCV's.
 
-Held out: five folds (view i in fold i mod 5) or the split of the set's authors; intrinsics from the training
-views, the poses of the views left out fitted by `calibsolver.fitting.resection` for both sides. OpenCV runs
-in a process of its own and is stopped after TIMEOUT seconds: training and folds together. Writes
-docs/accuracy.md.
+Held out: folds of `corners`, intrinsics from the training views, poses of the views left out fitted for both.
+OpenCV runs in a process of its own, which is stopped after TIMEOUT seconds: training and folds together.
 """
 
 import json
@@ -11,7 +9,6 @@ import math
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -40,67 +37,58 @@ class Outcome:
 
     @property
     def complete(self) -> bool:
-        """True if there is a result for the whole set and for every fold."""
         return not self.failure and not self.note
 
     def cells(self) -> list[str]:
         if self.failure:
             return [self.failure, "", ""]
-        held_out = self.note or f"{self.held_out:.3f}"
-        return [f"{self.train:.3f}", held_out, duration(self.seconds)]
+        time = f"{self.seconds:.1f} s" if self.seconds >= 1 else f"{1e3 * self.seconds:.0f} ms"
+        return [f"{self.train:.3f}", self.note or f"{self.held_out:.3f}", time]
 
 
-def duration(seconds: float) -> str:
-    return f"{seconds:.1f} s" if seconds >= 1 else f"{1e3 * seconds:.0f} ms"
-
-
-def summary(squares: list[float], points: list[int]) -> tuple[float, float]:
-    """Rms over all folds of their mean squares, and the largest fold / the next."""
+def outcome(train: float, squares: list[float], points: list[int], seconds: float) -> Outcome:
     folds = sorted(np.sqrt(squares))
-    worst = folds[-1] / folds[-2] if len(folds) > 1 else 1.0
-    return float(np.sqrt(np.average(squares, weights=points))), float(worst)
+    worst = float(folds[-1] / folds[-2]) if len(folds) > 1 else 1.0
+    return Outcome("", train, corners.rms(squares, points), worst, seconds)
 
 
 def ours(data: corners.Corners, model: str) -> Outcome:
     fitted = partial(fit, img_size=data.img_size, model=model, board_shape=False)
+    times = []
     try:
-        calibration = fitted(data.training)
-        seconds = min(timed(lambda: fitted(data.training)) for _ in range(3))
+        for _ in range(3):
+            begin = time.perf_counter()
+            calibration = fitted(data.training)
+            times.append(time.perf_counter() - begin)
         squares, points = data.held_out(lambda views: fitted(views).camera)
     except CalibrationError as error:
         return Outcome(failure=error.code)
-    held_out, worst = summary(squares, points)
-    return Outcome("", calibration.avg_reprojection_error, held_out, worst, seconds)
-
-
-def timed(action: Callable[[], object]) -> float:
-    begin = time.perf_counter()
-    action()
-    return time.perf_counter() - begin
+    return outcome(calibration.avg_reprojection_error, squares, points, min(times))
 
 
 def opencv(data: corners.Corners, model: str) -> Outcome:
     command = [sys.executable, "-m", "tests.bench.opencv", data.name, model]
-    late = False
+    failure = ""
     try:
         done = subprocess.run(command, capture_output=True, timeout=TIMEOUT, check=False)
-        output, crashed = done.stdout, done.returncode
+        output = done.stdout
+        if done.returncode:
+            failure = f"crashes ({done.returncode})"
     except subprocess.TimeoutExpired as error:
-        output, crashed, late = error.stdout or b"", 0, True
+        output = error.stdout or b""
+        failure = f"> {TIMEOUT:.0f} s"
     # The last line may be half a line where it was stopped.
     lines = [json.loads(line) for line in output.decode().splitlines() if line.endswith("}")]
     if not lines:
-        return Outcome(failure=f"> {TIMEOUT:.0f} s" if late else f"crashes ({crashed})")
+        return Outcome(failure=failure)
     train, *folds = lines
     if "error" in train:
         return Outcome(failure=train["error"])
-    bad = next((fold["error"] for fold in folds if "error" in fold), "")
-    if bad or late or crashed:
-        note = bad or (f"> {TIMEOUT:.0f} s" if late else "crashes")
+    note = next((fold["error"] for fold in folds if "error" in fold), failure)
+    if note:
         return Outcome("", train["rms"], seconds=train["seconds"], note=note)
     squares = [math.inf if fold["square"] is None else fold["square"] for fold in folds]
-    held_out, worst = summary(squares, [fold["points"] for fold in folds])
-    return Outcome("", train["rms"], held_out, worst, train["seconds"])
+    return outcome(train["rms"], squares, [fold["points"] for fold in folds], train["seconds"])
 
 
 def main() -> None:
@@ -109,32 +97,20 @@ def main() -> None:
         data = corners.load(name)
         for model in models.NAMES:
             results[name, model] = ours(data, model), opencv(data, model)
-            print(
-                name,
-                model,
-                *results[name, model][0].cells(),
-                "|",
-                *results[name, model][1].cells(),
-                flush=True,
-            )
-    document.replace("corner sets", render(results))
-
-
-def render(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
-    parts = []
+            print(name, model, cells(results[name, model]), flush=True)
     header = ["set", "train", "held out", "time", "OpenCV: train", "held out", "time"]
+    parts = []
     for model in models.NAMES:
-        rows = [
-            [name, *results[name, model][0].cells(), *results[name, model][1].cells()]
-            for name in corners.NAMES
-        ]
+        rows = [[name, *cells(results[name, model])] for name in corners.NAMES]
         parts.append(f"**{model}**\n\n{document.table(header, rows)}")
-    parts.append(conclusion(results))
-    return "\n\n".join(parts)
+    document.replace("corner sets", "\n\n".join([*parts, conclusion(results)]))
+
+
+def cells(pair: tuple[Outcome, Outcome]) -> list[str]:
+    return [cell for side in pair for cell in side.cells()]
 
 
 def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
-    """Summarise the tables in a paragraph."""
     least = {
         name: min(o.held_out for (n, _), pair in results.items() if n == name for o in pair if o.complete)
         for name, _ in results
@@ -146,17 +122,16 @@ def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
             for (name, _), pair in results.items()
         )
 
-    mine, peers = zip(*results.values(), strict=True)
+    mine, peers = ([o for o in side if o.complete] for side in zip(*results.values(), strict=True))
     both = [a.held_out / b.held_out for a, b in results.values() if a.complete and b.complete]
     return (
-        f"Of {len(results)} pairs of set and model, calibDB fits {sum(a.complete for a in mine)} and gives a "
-        f"reason for the others; OpenCV returns {sum(b.complete for b in peers)}. The held-out "
+        f"Of {len(results)} pairs of set and model, calibDB fits {len(mine)} and gives a "
+        f"reason for the others; OpenCV returns {len(peers)}. The held-out "
         f"error is within {NONSENSE:g} times the least of its set for {usable(0)} results of calibDB and "
         f"{usable(1)} of OpenCV. Where both have a result, calibDB's held-out error is "
         f"{np.median(both):.3f} times OpenCV's (median; at most {max(both):.3f} times). "
-        f"Largest fold / next largest: at most "
-        f"{max(a.worst_fold for a in mine if a.complete):.2f} for calibDB, "
-        f"{max(b.worst_fold for b in peers if b.complete):.2f} for OpenCV."
+        f"Largest fold / next largest: at most {max(o.worst_fold for o in mine):.2f} for calibDB, "
+        f"{max(o.worst_fold for o in peers):.2f} for OpenCV."
     )
 
 

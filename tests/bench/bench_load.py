@@ -1,19 +1,14 @@
-"""Memory and files after many requests, and many captures at once. `make bench DOCS=load` does more."""
+"""Memory after many requests, and many captures at once. `make bench DOCS=load` and `DOCS=memory` do more."""
 
-import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any
-
-import httpx
 
 from infra.server.server import Server
-from tests.bench.memory import memory_mb
+from tests.bench import load
+from tests.bench.memory import memory_mb, send_all_kinds
 from tests.bench.table import Row
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
-from tests.helpers.stack.processes import LocalProcess
+from tests.helpers.service.client import Client, Truth
 
 REQUESTS, WARM = 10_000, 2_000
 GUIDED = 32
@@ -25,40 +20,16 @@ def rows() -> Iterator[Row]:
 
 
 def memory() -> Row:
-    """Growth of the server over the requests after the first, of every kind that leaves nothing behind."""
-    with tempfile.TemporaryDirectory() as folder, LocalProcess(Path(folder) / "data") as server:
-        client = httpx.Client(base_url=server.url)
-
-        def ask(method: str, path: str, credential: str, body: object) -> Any:
-            response = client.request(
-                method, path, json=body, headers={"Authorization": f"Bearer {credential}"}
-            )
-            if response.status_code >= 500:
-                raise RuntimeError(f"{method} {path}: {response.status_code}")
-            return response.json()
-
-        session = ask("POST", "/v1/auth", TOKEN, None)["session_id"]
-        ask("POST", "/v1/session", session, CAMERA)
-        truth = Truth()
-        ids, points = truth.see({"rvec": [0.5, 0, 0], "tvec": [-4.5, -3, 9]})
-        ask("POST", "/v1/session/views", session, {"index": 0, "ids": ids, "points": points})
-        lookup = {**CAMERA, "redirect": False}
-        kinds: tuple[tuple[str, str, str, object], ...] = (
-            ("POST", "/v1/lookup", TOKEN, lookup),
-            ("GET", "/v1/session", session, None),
-            ("POST", "/v1/auth", TOKEN, None),
-            ("GET", "/v1/cameras?query=test", TOKEN, None),
-            ("POST", "/v1/lookup", TOKEN, {**lookup, "camera": "Another camera"}),
-            ("GET", "/healthz", "", None),
-        )
-        sizes = {}
-        for number in range(1, REQUESTS + 1):
-            ask(*kinds[number % len(kinds)])
-            if number in (WARM, REQUESTS):
-                time.sleep(1)
-                sizes[number] = memory_mb(server.process.pid)
-    note = f"{sizes[REQUESTS]:.0f} MB after {REQUESTS} requests, {sizes[WARM]:.0f} after {WARM}"
-    return Row("memory of the server, growth", sizes[REQUESTS] - sizes[WARM], 4, "MB", note)
+    """Growth of the server over the requests after the first."""
+    sizes = []
+    with load.serving_known_camera() as server:
+        for count in (WARM, REQUESTS - WARM):
+            send_all_kinds(server.url, count)
+            time.sleep(1)
+            sizes.append(memory_mb(server.process.pid))
+    before, after = sizes
+    note = f"{after:.0f} MB after {REQUESTS} requests, {before:.0f} after {WARM}"
+    return Row("memory of the server, growth", after - before, 4, "MB", note)
 
 
 def guided() -> Row:

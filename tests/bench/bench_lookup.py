@@ -30,7 +30,7 @@ def rows() -> Iterator[Row]:
 
 
 def one_known(stack: Server) -> Callable[[], object]:
-    """Let one camera be known, and return a lookup of it."""
+    """Publish a consensus, and return a lookup of its camera."""
     store = Store.of(Settings.from_environment(stack.environment))
     store.calibrations.publish(calibration())
     store.consensuses.put(consensus(), GroupsDocument(pooled=""), None)
@@ -69,13 +69,10 @@ def crowd(stack: Server, count: int) -> None:
         assert stack.storage.table.put_transaction(items, IF_NOT_EXISTS)
 
 
-def cpu(action: Callable[[], object], repeat: int = 1000) -> float:
-    """Time in ms that this process spends on `action`, in all of its threads.
-
-    The first tenth of so many: what else the machine does, and shares caches with, only ever adds to it.
-    """
+def cpu(action: Callable[[], object]) -> float:
+    """Processor time of `action`, ms: the first tenth of many: other work only adds to it."""
     times = []
-    for _ in range(repeat):
+    for _ in range(1000):
         start = time.process_time()
         action()
         times.append((time.process_time() - start) * 1e3)

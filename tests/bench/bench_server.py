@@ -1,6 +1,5 @@
-"""Requests per second with two workers, against an empty application under the same uvicorn options."""
+"""The server under load: lookups of a known camera, and requests/s against an empty application."""
 
-import json
 import os
 import statistics
 import subprocess
@@ -8,11 +7,15 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from tests.bench.load import LABEL, ROOT, drive, serving_known_camera
-from tests.bench.table import Row
-from tests.helpers.service.client import CAMERA, TOKEN
+import numpy as np
 
-WORKERS, CLIENTS, REQUESTS, ROUNDS = 2, 8, 4000, 5
+from tests.bench.load import HEALTH, KNOWN, Request, drive, page, serving_known_camera
+from tests.bench.table import Row
+from tests.helpers.data import ROOT
+
+REQUESTS = 2000
+RATE = 150  # lookups/s
+WORKERS, ROUNDS = 2, 5
 EMPTY = """
 import os, socket
 from starlette.applications import Starlette
@@ -33,33 +36,50 @@ http_server(Starlette(routes=[Route("/", empty)])).run([listener])
 
 
 def rows() -> Iterator[Row]:
+    yield from lookups()
+    yield from shares()
+
+
+def lookups() -> Iterator[Row]:
+    """Latencies of one process."""
+    with serving_known_camera() as server:
+        yield Row("second start, until healthy", server.start_seconds, 2, "s")
+        drive(server.url, KNOWN, requests=200, clients=4)
+        alone = drive(server.url, KNOWN, requests=REQUESTS // 4, clients=1)
+        paced = drive(server.url, KNOWN, requests=REQUESTS, clients=8, rate=RATE)
+        most = drive(server.url, KNOWN, requests=REQUESTS, clients=8)
+    yield Row("lookup over a socket, 1 client, p50", float(np.median(alone.latencies)), None, "ms")
+    p99 = float(np.quantile(paced.latencies, 0.99))
+    yield Row(f"lookups over sockets, {RATE} a second, p99", p99, 50, "ms")
+    note = f"{1e3 / most.each:.0f}/s"
+    yield Row("lookups over sockets, saturated, each", most.each, 1e3 / RATE, "ms", note)
+
+
+def shares() -> Iterator[Row]:
+    """Requests/s of two processes, against an empty application under the same uvicorn options."""
     with empty_server() as empty, serving_known_camera(WORKERS=str(WORKERS)) as server:
-        body = json.dumps({**CAMERA, "camera": LABEL})
-        headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
         for what, least, request in (
-            ("POST lookup of a known camera", 0.10, ("POST", "/v1/lookup", headers, body)),
-            ("landing page", 0.25, ("GET", "/", {"accept-encoding": "gzip"}, "")),
-            ("/healthz", 0.5, ("GET", "/healthz", {}, "")),
+            ("POST lookup of a known camera", 0.10, KNOWN),
+            ("landing page", 0.25, page("/")),
+            ("/healthz", 0.5, HEALTH),
         ):
-            rate(server.url, *request)  # warm
-            pairs = [(rate(server.url, *request), rate(empty, "GET", "/", {}, "")) for _ in range(ROUNDS)]
+            rate(server.url, request)  # warm
+            pairs = [(rate(server.url, request), rate(empty, ("GET", "/", {}, ""))) for _ in range(ROUNDS)]
             ours, theirs = (statistics.median(column) for column in zip(*pairs, strict=True))
             note = f"{ours:.0f} of {theirs:.0f}/s, share {ours / theirs:.3f}, at least {least}"
             yield Row(f"requests of an empty app per {what}", theirs / ours, 1 / least, "", note)
 
 
-def rate(url: str, method: str, path: str, headers: dict[str, str], body: str) -> float:
-    """Requests per second from `CLIENTS` connections."""
-    return 1e3 / drive(url, method, path, headers, body, requests=REQUESTS, clients=CLIENTS).each
+def rate(url: str, request: Request) -> float:
+    return 1e3 / drive(url, request, requests=2 * REQUESTS, clients=8).each
 
 
 @contextmanager
 def empty_server() -> Iterator[str]:
-    """Run an empty Starlette application in `WORKERS` processes; yields its address."""
+    """Run an empty Starlette application in `WORKERS` processes; yield its address."""
     process = subprocess.Popen(
         [sys.executable, "-c", f"WORKERS = {WORKERS}\n{EMPTY}"],
         cwd=ROOT,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(("layers/service", "layers/solver", "."))},
         stdout=subprocess.PIPE,
         text=True,
         start_new_session=True,

@@ -1,20 +1,18 @@
-"""Handlers with everything they do, through the gateway without a socket, storage in memory."""
+"""Handlers with all that they do, without a socket, storage in memory."""
 
 import statistics
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 from calibdb import schema
 from calibsolver.consensus import fit_memory
 from infra.server.server import Server
 from tests.bench.table import Row
+from tests.helpers.data import ROOT
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store
-
-ROOT = Path(__file__).parents[2]
 
 
 def rows() -> Iterator[Row]:

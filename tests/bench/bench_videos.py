@@ -12,40 +12,32 @@ from tests.bench.table import Row
 from tests.browser.conftest import CHROMIUM, chromium_path
 from tests.helpers import data
 
-CHARUCO, CHESSBOARD = "caliscope_opt1.mp4", "chessboard_yubin.mp4"
-LENGTHS = {CHARUCO: 57 / 6, CHESSBOARD: 260 / 24}
-"""s; the camera of the first took 6 frames/s."""
+LENGTHS = {"caliscope_opt1.mp4": 57 / 6, "chessboard_yubin.mp4": 260 / 24}
+"""s, of a video of a ChArUco board and of one of a chessboard."""
 ROUNDS = 3
 
 
 def rows() -> Iterator[Row]:
-    """Processor time per second of video, the least of some rounds in turn."""
     if data.EXTERNAL is None:  # licences keep the videos out of `tests/data`
         return
-    taken = {
-        name: min(seconds)
-        for name, seconds in zip(LENGTHS, zip(*map(once, range(ROUNDS)), strict=True), strict=True)
-    }
-    note = ", ".join(f"{name} {value:.2f} s/s" for name, value in taken.items())
-    yield Row("video of a chessboard / of a ChArUco board", taken[CHESSBOARD] / taken[CHARUCO], 2, "x", note)
+    rounds = [[detection(name) for name in LENGTHS] for _ in range(ROUNDS)]
+    charuco, chessboard = (min(times) for times in zip(*rounds, strict=True))
+    note = f"{charuco:.2f} and {chessboard:.2f} s/s"
+    yield Row("video of a chessboard / of a ChArUco board", chessboard / charuco, 2, "x", note)
     with Server() as stack, stack.serve() as url, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM)
         for name, length in LENGTHS.items():
             seconds = min(photos_page(browser, url, name) for _ in range(ROUNDS))
-            yield Row(
-                f"photos page: {name}, {length:.1f} s", seconds, 15.0, "s", "from the file to the result"
-            )
+            what = f"photos page: {name}, {length:.1f} s"
+            yield Row(what, seconds, 15.0, "s", "from the file to the result")
         browser.close()
 
 
-def once(_round: int) -> list[float]:
-    """Processor time of each video / its length."""
-    shares = []
-    for name, length in LENGTHS.items():
-        begun = time.process_time()
-        read_video(data.data_dir() / "videos" / name, None, FoundViews())
-        shares.append((time.process_time() - begun) / length)
-    return shares
+def detection(name: str) -> float:
+    """Processor time per second of video."""
+    begun = time.process_time()
+    read_video(data.data_dir() / "videos" / name, None, FoundViews())
+    return (time.process_time() - begun) / LENGTHS[name]
 
 
 def photos_page(browser: Browser, url: str, name: str) -> float:

@@ -1,7 +1,7 @@
 """Limits of a deployment under a number of captures per day, on paper: `make bench DOCS=capacity`.
 
 Demand follows from a day of captures, capacity from the template's parameters, the plans and AWS's default
-quotas. Nothing is measured; durations are assumed. `LARGE` are parameters for a million captures per day.
+quotas. Nothing is measured; durations are assumed.
 """
 
 from __future__ import annotations
@@ -54,7 +54,6 @@ class Limit:
 
 
 def defaults() -> dict[str, str]:
-    """Read the defaults of the template's parameters."""
     parameters = parse(ROOT / "template.yaml")["Parameters"]
     return {name: str(parameter.get("Default", "")) for name, parameter in parameters.items()}
 
@@ -62,16 +61,9 @@ def defaults() -> dict[str, str]:
 def limits(
     values: Mapping[str, str], account: int = ACCOUNT_CONCURRENCY, captures: float = DAILY_CAPTURES
 ) -> list[Limit]:
-    """List the limits, the first one to be reached first.
+    """Limits under so many `captures` per day of the site's pages, the first one to be reached first.
 
-    Parameters
-    ----------
-    values
-        Parameters of the template.
-    account
-        Concurrent executions of the account.
-    captures
-        Per day, all of the site's own pages, which have one token.
+    `values`: parameters of the template. `account`: its concurrent executions.
     """
     return sorted(_limits(values, account, captures), key=lambda limit: -limit.use)
 
@@ -100,18 +92,16 @@ def _limits(values: Mapping[str, str], account: int, captures: float) -> Iterato
     yield Limit("DynamoDB, writes/s of one key of the page's token", counted / SHARDS, _PARTITION)
 
 
-def report(values: Mapping[str, str], account: int) -> Iterator[str]:
-    """Yield the limits line by line."""
-    for limit in limits(values, account):
-        yield f"  {limit.use:7.2f}  {limit.name:52} {limit.demand:10,.0f} of {limit.capacity:10,.0f}"
-
-
 def main() -> None:
-    """Print the limits by default, and with the parameters for a million captures per day."""
     print(f"{DAILY_CAPTURES:,} captures per day, {PEAK:.0f} times the mean at the peak; demand / capacity:")
-    print("\n".join(report(defaults(), ACCOUNT_CONCURRENCY)))
+    show(defaults(), ACCOUNT_CONCURRENCY)
     print(f"with {' '.join(f'{n}={v}' for n, v in LARGE.items())}, {LARGE_ACCOUNT_CONCURRENCY} instances:")
-    print("\n".join(report({**defaults(), **LARGE}, LARGE_ACCOUNT_CONCURRENCY)))
+    show({**defaults(), **LARGE}, LARGE_ACCOUNT_CONCURRENCY)
+
+
+def show(values: Mapping[str, str], account: int) -> None:
+    for limit in limits(values, account):
+        print(f"  {limit.use:7.2f}  {limit.name:52} {limit.demand:10,.0f} of {limit.capacity:10,.0f}")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,11 @@
 """`make bench DOCS=consensus`: how far liars get, and what published lens profiles become.
 
-`CAMERAS=1000` simulated cameras; `ONLY=poisoning`, `ONLY="honest worlds"` or `ONLY="lens profiles"`: one
-table.
+`CAMERAS=1000` simulated cameras; `ONLY=poisoning`, `ONLY="honest worlds"` or `ONLY="lens profiles"`.
 """
 
 import itertools
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +16,7 @@ from tests.bench import document, honest_worlds
 from tests.helpers.solver import attacks, populations
 
 MAX_DRAWS = 60
-"""Of one mode at most; of the smaller ones all there are."""
+"""Of one mode at most."""
 LENS_DRAWS = 500
 ATTACKS: tuple[tuple[float, str, int, float], ...] = (
     (0.0, "as others", 2, 1.0),
@@ -29,20 +27,17 @@ ATTACKS: tuple[tuple[float, str, int, float], ...] = (
 )
 """Spread of specimens, views of the liars, liars, and share of the cameras."""
 HEADER = [
-    "spread of specimens",
-    "liars",
-    "their views",
-    "cameras",
-    "reliable without lies",
-    "reliable with lies",
-    "moved by > 0.5 px",
-    "moved by > 1 px",
-    "largest move",
-    "95th percentile",
-    "moved by > 0.5 px and > the stated spread",
-    "control: reliable",
-    "control: moved by > 0.5 px",
-    "control: 95th percentile",
+    *(
+        "spread of specimens",
+        "liars",
+        "their views",
+        "cameras",
+        "reliable without lies",
+        "reliable with lies",
+    ),
+    *("moved by > 0.5 px", "moved by > 1 px", "largest move", "95th percentile"),
+    *("moved by > 0.5 px and > the stated spread", "control: reliable"),
+    *("control: moved by > 0.5 px", "control: 95th percentile"),
 ]
 
 
@@ -59,7 +54,6 @@ def main() -> None:
 
 
 def poisoning(cameras: int) -> str:
-    """Table of rates: what was answered where 40 % of a camera's calibrations are lies."""
     rows = []
     for variation, views, liars, share in ATTACKS:
         number, effort = int(cameras * share), attacks.EFFORTS.get(views)
@@ -71,50 +65,25 @@ def poisoning(cameras: int) -> str:
     return document.table(HEADER, rows)
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Consensus of one camera; `moved` px and the `spread` that the answer states, px.
-
-    `by_honest`: px that honest ones in the liars' place moved it by, None where no answer was reliable.
-    """
-
-    clean: bool
-    reliable: bool
-    moved: float
-    spread: float
-    by_honest: float | None
-
-
-def run_trial(number: int, variation: float, effort: attacks.Effort | None = None, liars: int = 2) -> Outcome:
-    """Run the trial of this number, the same one every time."""
+def run_trial(number: int, variation: float, effort: attacks.Effort | None, liars: int) -> attacks.Trial:
     rng, others = np.random.default_rng((7, number)), np.random.default_rng((8, number))
-    trial = attacks.trial(
-        rng,
-        attacks.KINDS[number % 4],
-        int(rng.integers(5, 13)),
-        variation,
-        others=others,
-        effort=effort,
-        liars=liars,
-    )
-    clean = trial.clean.total < 5 or trial.clean.reliable
-    spread = trial.attacked.spread if trial.attacked else 0.0
-    return Outcome(clean, trial.reliable, trial.moved, spread, trial.by_honest)
+    kind, total = attacks.KINDS[number % 4], int(rng.integers(5, 13))
+    return attacks.trial(rng, kind, total, variation, others=others, effort=effort, liars=liars)
 
 
-def cells(trials: Sequence[Outcome]) -> list[str]:
-    answered = [t for t in trials if t.reliable]
-    moved = [t.moved for t in answered]
+def cells(trials: Sequence[attacks.Trial]) -> list[str]:
+    pairs = [(t.moved, t.attacked.spread) for t in trials if t.attacked and t.reliable]
+    moved = [move for move, _ in pairs]
     scatter = [t.by_honest for t in trials if t.by_honest is not None]
     return [
         f"{len(trials):,}",
-        f"{np.mean([t.clean for t in trials]):.1%}",
-        f"{len(answered) / len(trials):.1%}",
+        f"{np.mean([t.clean.total < 5 or t.clean.reliable for t in trials]):.1%}",
+        f"{len(moved) / len(trials):.1%}",
         str(sum(m > attacks.MOVED for m in moved)),
         str(sum(m > 1 for m in moved)),
         f"{np.max(moved):.2f} px",
         f"{np.quantile(moved, 0.95):.2f} px",
-        str(sum(t.moved > max(attacks.MOVED, t.spread) for t in answered)),
+        str(sum(move > max(attacks.MOVED, spread) for move, spread in pairs)),
         f"{len(scatter) / len(trials):.1%}",
         str(sum(m > attacks.MOVED for m in scatter)),
         f"{np.quantile(scatter, 0.95):.2f} px",
@@ -122,17 +91,14 @@ def cells(trials: Sequence[Outcome]) -> list[str]:
 
 
 def profiles() -> str:
-    """Table of the share of draws of five that are called reliable."""
     rng = np.random.default_rng(3)
     modes = {mode: found for mode, found in populations.profiles().items() if len(found) >= 5}
     seen = {mode: populations.members(found, rng) for mode, found in modes.items()}
-    named = [mode for mode in modes if mode[2] and mode[3]]
-    either = [mode for mode in modes if mode[2] or mode[3]]
     rates = {mode: rate(seen[mode], modes[mode], rng) for mode in modes}
     rows = []
     for what, chosen in (
-        ("lens and setting both named", named),
-        ("lens or setting named", either),
+        ("lens and setting both named", [mode for mode in modes if mode[2] and mode[3]]),
+        ("lens or setting named", [mode for mode in modes if mode[2] or mode[3]]),
         ("all, unnamed settings too", list(modes)),
     ):
         mean = np.mean([rates[mode] for mode in chosen], axis=0)
@@ -147,7 +113,7 @@ def profiles() -> str:
 def rate(
     members: Sequence[Member], found: Sequence[tuple[Camera, float]], rng: np.random.Generator
 ) -> Sequence[float]:
-    """Share of the draws of five that are reliable, and of those that could be by their intrinsics alone."""
+    """Share of the draws of five that are reliable, and of those that could be by their intrinsics only."""
     draws = list(itertools.combinations(range(len(members)), 5))
     if len(draws) > MAX_DRAWS:
         draws = [draws[i] for i in rng.choice(len(draws), MAX_DRAWS, replace=False)]
@@ -171,7 +137,7 @@ def is_within_rule(cameras: Sequence[Camera]) -> bool:
 
 
 def reliable_across_lenses(rng: np.random.Generator) -> float:
-    """Share of the draws of five different lenses of one camera, at one size, that are called reliable."""
+    """Share of the draws of five lenses of one camera, at one size, that are called reliable."""
     cameras: dict[tuple[str, ...], dict[str, list[tuple[Camera, float]]]] = {}
     for (brand, model, lens, _, w, h), found in populations.profiles().items():
         if lens:

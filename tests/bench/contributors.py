@@ -4,6 +4,7 @@ Simulated: 12 cameras, six guided views per contributor, noise 0.3 px. The middl
 by 0.02 squares (standard deviation) and a hand moves it by 0.5 px between the middle row and the rim.
 """
 
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from unittest.mock import patch
@@ -11,7 +12,7 @@ from unittest.mock import patch
 import numpy as np
 
 from calibsolver import Camera, fit
-from calibsolver.consensus import Consensus, Member, Rule, pool
+from calibsolver.consensus import Member, Rule, pool
 from calibsolver.consensus.fit_memory import fit_once
 from infra.console import track
 from tests.bench import document
@@ -23,8 +24,8 @@ BEND_SQUARES = 0.02
 """Standard deviation of the height of a board's middle."""
 HAND = hands.Hand(readout_s=0.02, speed_cm_s=1.0, turn_deg_s=2.0)
 RULE = Rule(min_contributors=3)
-as_drawn = partial(fit, board_shape=False)
 HEADER = ["board", "reliable", "one contributor, px", "consensus, px", "largest", "stated", "within twice it"]
+as_drawn = partial(fit, board_shape=False)
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,6 @@ class Outcome:
 
 
 def members(camera: Camera, rng: np.random.Generator) -> list[Member]:
-    """Contributors of one camera."""
     out = []
     for i in range(CONTRIBUTORS):
         sag = abs(BEND_SQUARES * rng.normal()) / max(populations.BOARD.size)
@@ -48,24 +48,19 @@ def members(camera: Camera, rng: np.random.Generator) -> list[Member]:
 
 
 def outcome(camera: Camera, given: list[Member], *, drawn: bool) -> Outcome:
-    """Pool the contributors with their boards as `drawn`, or in their shapes."""
-
-    def pooled() -> tuple[Consensus, tuple[float, ...]]:
+    fitted = as_drawn if drawn else fit_once
+    with patch("calibsolver.consensus.pooling.fit_once", as_drawn) if drawn else nullcontext():
         found = pool(given, camera.img_size, camera.model, RULE)
-        own = [(as_drawn if drawn else fit_once)(m.views, camera.img_size, camera.model) for m in given]
-        return found, tuple(synthetic.rms_error(camera, each.camera) for each in own)
-
-    if drawn:
-        with patch("calibsolver.consensus.pooling.fit_once", as_drawn):
-            found, own = pooled()
-    else:
-        found, own = pooled()
-    error = synthetic.rms_error(camera, found.calibration.camera)
-    return Outcome(found.reliable, error, found.calibration.uncertainty().rms, own)
+    own = (fitted(m.views, camera.img_size, camera.model).camera for m in given)
+    return Outcome(
+        found.reliable,
+        synthetic.rms_error(camera, found.calibration.camera),
+        found.calibration.uncertainty().rms,
+        tuple(synthetic.rms_error(camera, each) for each in own),
+    )
 
 
 def row(name: str, outcomes: list[Outcome]) -> list[str]:
-    """Row of the table."""
     errors, stated = (np.array([getattr(o, part) for o in outcomes]) for part in ("error", "stated"))
     return [
         name,
@@ -79,7 +74,6 @@ def row(name: str, outcomes: list[Outcome]) -> list[str]:
 
 
 def main() -> None:
-    """Write the table."""
     cameras = synthetic.rectilinear_cameras()
     worlds = [
         (camera, members(camera, np.random.default_rng((n, i))))

@@ -1,18 +1,16 @@
-"""Price of a million lookups and of a finished calibration on AWS: `python -m tests.bench.cost`.
+"""Price of a million lookups and of a finished calibration on AWS: `make cost`.
 
-Calls, durations and sizes are measured on a local stack, whose functions ask the same of storage as they do
-on AWS; what is paid without any request is counted in the template. Prices and what cannot be measured here
-are in `tests/bench/prices.yaml`.
+Calls, durations and sizes are measured on a local stack; what is paid without any request is counted in the
+template. Prices, and what cannot be measured here, are in `tests/bench/prices.yaml`.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -49,15 +47,12 @@ _MB_PER_VCPU = 1769  # MB, AWS Lambda developer guide, "Configure Lambda functio
 
 
 class _Storage(threading.local):
-    """Processor seconds that storage took in this thread, and whether its last read is a consistent one."""
+    """Processor seconds that storage took in this thread."""
 
     seconds = 0.0
-    consistent = False
 
 
 class Meter:
-    """Meter of the resources that a stack's functions use."""
-
     def __init__(self, stack: LocalStack) -> None:
         self._stack = stack
         self.use = Usage()
@@ -66,16 +61,7 @@ class Meter:
 
     @contextmanager
     def running(self) -> Iterator[Usage]:
-        """Count within the block, from nothing."""
-        from calibdb.settings import Settings
-        from calibdb.store import aws
-
         self.use = Usage()
-        region = Settings.from_environment(self._stack.environment).region
-        used = (aws.dynamodb(region), aws.s3(region))
-        for client in used:
-            client.meta.events.register("provide-client-params.*", self._on_request, unique_id="meter")
-            client.meta.events.register("after-call.*", self._on_response, unique_id="meter-after")
         functions = dict(self._stack.functions)
         self._stack.functions.update({name: self._wrap_with_timer(f) for name, f in functions.items()})
         try:
@@ -83,12 +69,8 @@ class Meter:
                 yield self.use
         finally:
             self._stack.functions.update(functions)
-            for client in used:
-                client.meta.events.unregister("provide-client-params.*", unique_id="meter")
-                client.meta.events.unregister("after-call.*", unique_id="meter-after")
 
     def ask(self, method: str, path: str, credential: str, body: object = None, query: str = "") -> bytes:
-        """Send a request through the gateway and count it; return the answer's body."""
         content = json.dumps(body).encode() if body is not None else b""
         headers = {"authorization": f"Bearer {credential}"}
         answer = self._stack.request(method, path, headers, query, content)
@@ -109,7 +91,6 @@ class Meter:
             finally:
                 # Lambda gives a part of a processor with a part of its memory, and bills whole milliseconds.
                 alone = time.thread_time() - self._storage.seconds - begun
-                self.use.seconds += alone
                 taken = alone / min(1, memory / _MB_PER_VCPU)
                 self.use.gb_seconds += math.ceil(taken * 1e3) / 1e3 * memory / 1024
                 if memory >= _MB_PER_VCPU:
@@ -122,41 +103,43 @@ class Meter:
         return timed
 
     def _around(self, name: str, service: intercept.Service) -> intercept.Service:
-        """Storage runs in this process; its part in the time of a function is not the function's."""
+        """Count requests to storage, and its time, which passes in this process and not in the function."""
 
         def handle(operation: str, request: AWSPreparedRequest) -> Answer:
             if name == "lambda":
                 return service(operation, request)
             begun = time.thread_time()
             try:
-                return service(operation, request)
+                answer = service(operation, request)
             finally:
                 self._storage.seconds += time.thread_time() - begun
+            self.use.waits.append((name, self._gb))
+            if name == "s3":
+                self._count_object(operation, request)
+            else:
+                self._count_units(operation, json.loads(request.body), answer)
+            return answer
 
         return handle
 
-    def _on_request(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
-        service, use = model.service_model.service_name, self.use
-        use.waits.append((service, self._gb))
-        if service == "s3":
-            reading = model.name == "GetObject"
-            use.gets += reading
-            use.puts += model.name == "PutObject"
-            if str(params.get("Key", "")).startswith("calibrations/") and not reading:
-                use.kept += len(params["Body"])
-        elif model.name not in _READS:
-            together = "TransactItems" in params
-            for part in [w["Put"] for w in params["TransactItems"]] if together else [params]:
-                use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
-        self._storage.consistent = params.get("ConsistentRead", False)
+    def _count_object(self, operation: str, request: AWSPreparedRequest) -> None:
+        self.use.gets += operation == "GetObject"
+        self.use.puts += operation == "PutObject"
+        if operation == "PutObject" and "/calibrations/" in request.url:
+            self.use.kept += int(request.headers["X-Amz-Decoded-Content-Length"])  # its checksum is a trailer
 
-    def _on_response(self, http_response: Any, model: Any, **_: object) -> None:
-        if model.name in _READS:
-            self.use.reads += read_units(len(http_response.content), consistent=self._storage.consistent)
+    def _count_units(self, operation: str, asked: dict[str, Any], answer: Answer) -> None:
+        if operation in _READS:
+            consistent = asked.get("ConsistentRead", False)
+            self.use.reads += read_units(len(answer.body), consistent=consistent)
+            return
+        together = "TransactItems" in asked
+        for part in [write["Put"] for write in asked["TransactItems"]] if together else [asked]:
+            self.use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
 
 
 def run_capture(meter: Meter, seed: int) -> None:
-    """Run one capture as the page does: each pose as numbers and as a picture, views until it is done."""
+    """Run one capture as the page does: each pose is asked for as numbers and as a picture."""
     token = DEVELOPMENT_TOKEN
     session = json.loads(meter.ask("POST", "/v1/auth", token))["session_id"]
     meter.ask("POST", "/v1/session", session, {**_CAMERA, "target_error": 1.0})
@@ -173,10 +156,7 @@ def run_capture(meter: Meter, seed: int) -> None:
 
 
 def measure(lookups: int = 200, pooled: int = 5) -> dict[str, Usage]:
-    """Measure some lookups that hit, together, and the last of several calibrations of a camera.
-
-    `pooled`: number of calibrations that make a reliable consensus.
-    """
+    """Measure lookups that hit, new labels, and the calibration after `pooled`, which make a consensus."""
     with LocalStack({"MIN_CALIBRATIONS": str(pooled)}) as stack:
         meter = Meter(stack)
         with meter.running():
@@ -200,7 +180,7 @@ def measure(lookups: int = 200, pooled: int = 5) -> dict[str, Usage]:
 
 
 def price_of(name: str, use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
-    """Price what `name` stands for, USD by kind of cost; lookups with the preflights of other origins."""
+    """Price what `name` stands for, USD by kind of cost."""
     times = {LOOKUPS: 1e6, ALIAS: 1.0}.get(name, use.requests) / use.requests
     parts = {part: times * usd for part, usd in price(use, prices).items()}
     if name == LOOKUPS:
@@ -210,7 +190,6 @@ def price_of(name: str, use: Usage, prices: Mapping[str, Any]) -> dict[str, floa
 
 
 def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: Mapping[str, float]) -> Iterator[str]:
-    """Yield the prices line by line."""
     for name, use in uses.items():
         parts = price_of(name, use, prices)
         yield f"{name}: {sum(parts.values()):.6f} USD, at most {MAX_USD[name]}"
@@ -233,29 +212,19 @@ def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: Mapping[
         yield f"  {left_out}"
 
 
-def main(say: Callable[[str], None] = print) -> int:
-    """Print the prices; return 1 where one is above its bound."""
+def main() -> None:
     prices = yaml.safe_load(PRICES.read_text(encoding="utf-8"))
-    uses, fixed = measure(), fixed_costs(prices)
-    for line in report(uses, prices, fixed):
-        say(line)
-    over = [n for n, use in uses.items() if sum(price_of(n, use, prices).values()) > MAX_USD[n]]
-    asked, cached = at_edge(uses[LOOKUPS], prices)
-    for line in edge_month.report(asked, cached, prices["assumed"]["edge_locations"]):
-        say(line)
-    expensive = edge_month.price(asked, cached) > edge_month.MAX_EDGE_USD
-    return 1 if over or expensive or sum(fixed.values()) > MAX_FIXED_USD else 0
+    uses = measure()
+    edge = edge_month.report(*at_edge(uses[LOOKUPS], prices), prices["assumed"]["edge_locations"])
+    print(*report(uses, prices, fixed_costs(prices)), *edge, sep="\n")
 
 
 def at_edge(lookup: Usage, prices: Mapping[str, Any]) -> tuple[float, float]:
-    """Price a million cacheable lookups, USD: if CloudFront forwards them, and if it has them in its cache.
-
-    They need no preflight.
-    """
+    """Price a million cacheable lookups, which need no preflight, USD: forwarded, and cached."""
     size = lookup.sent / lookup.requests + prices["assumed"]["edge_header_bytes"]
     parts = price_of(LOOKUPS, lookup, prices)
     return price_at_edge({**parts, "preflights": 0.0}, 1e6 * size, prices)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,7 +1,6 @@
-"""Many clients at once over a failing connection: every acknowledged view must be stored, once.
+"""`make bench DOCS=load`: every view that a server acknowledges over failing connections is stored, once.
 
-`make bench DOCS=load` runs 2,000 captures from 64 clients against a server of its own, by
-`tests.bench.captures`, one request in five on a failing line; `SESSIONS=500 CLIENTS=64` runs a part.
+`SESSIONS=2000` captures from `CLIENTS=64` clients, by `tests.bench.captures`.
 """
 
 import os
@@ -22,8 +21,9 @@ def missing_or_double(data_dir: Path, heard: list[CaptureRecord]) -> list[str]:
     """List the captures that a stopped server lost or stored twice."""
     with Server(data_dir) as stack:
         store = Store.of(Settings.from_environment(stack.environment))
-        documents = {document.id: document for document in store.calibrations.all()}
-        kept = Counter(document.id for document in store.calibrations.all())
+        stored = list(store.calibrations.all())
+        documents = {document.id: document for document in stored}
+        kept = Counter(document.id for document in stored)
         indexed = Counter(
             counted.id
             for key in {document.camera_key for document in documents.values()}
@@ -45,7 +45,6 @@ def missing_or_double(data_dir: Path, heard: list[CaptureRecord]) -> list[str]:
 
 
 def main() -> int:
-    """Run it all and print what came out."""
     sessions, clients = int(os.environ.get("SESSIONS", "2000")), int(os.environ.get("CLIENTS", "64"))
     with tempfile.TemporaryDirectory() as folder:
         data_dir = Path(folder) / "data"

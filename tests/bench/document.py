@@ -27,6 +27,5 @@ def is_chosen(name: str) -> bool:
 
 
 def table(header: list[str], rows: list[list[str]]) -> str:
-    """Return a Markdown table, without padding."""
     lines = [header, ["-"] * len(header), *rows]
     return "\n".join(f"|{'|'.join(line)}|" for line in lines)

@@ -23,14 +23,14 @@ MAX_EDGE_USD = 1.50
 
 
 def hit_rate(lookups: float, locations: int) -> float:
-    """Compute the share of so many lookups per month that the edge has cached."""
+    """Share of so many lookups per month that the edge has cached."""
     share = np.multiply.outer(np.multiply.outer(_zipf(CAMERAS), _zipf(ALIASES)), _zipf(locations))
     expected = share * (lookups / MONTH_S * TTL_S)
     return float((share * expected / (1 + expected)).sum())
 
 
 def lookups_for(rate: float, locations: int) -> float:
-    """Compute the lookups per month from which on the hit rate is at least `rate`."""
+    """Lookups per month from which on the hit rate is at least `rate`."""
     low, high = 1.0, 1e12
     while high / low > 1.01:
         middle = math.sqrt(low * high)
@@ -39,20 +39,10 @@ def lookups_for(rate: float, locations: int) -> float:
 
 
 def price(forwarded_price: float, cached: float, rate: float = HIT_RATE) -> float:
-    """Price a million lookups, USD.
-
-    Parameters
-    ----------
-    forwarded_price, cached
-        Price of a million that CloudFront forwards to the function, and that it answers from its cache.
-    rate
-        Share of the latter.
-    """
     return (1 - rate) * forwarded_price + rate * cached
 
 
 def report(forwarded_price: float, cached: float, locations: int) -> Iterator[str]:
-    """Yield price and hit rate line by line; parameters as of `price`."""
     usd = price(forwarded_price, cached)
     yield f"a million lookups at the edge, {HIT_RATE:.0%} cached: {usd:.2f} USD, at most {MAX_EDGE_USD:.2f}"
     yield f"  modelled: {CAMERAS:,} cameras of {ALIASES} aliases by Zipf's law, {locations} locations:"

@@ -1,8 +1,6 @@
-"""`make bench DOCS=estimates`: do the intervals of estimates hold? Writes docs/estimates.md.
+"""`make bench DOCS=estimates`: do the intervals of estimates hold? Real data.
 
-Every camera whose field of view is known is left out of the table, estimated from the rest, and compared: a
-published source about a model from the other sources, a model from its maker's others, and from its kind's; a
-contributor's lens profile from the profiles of other contributors. Real data; no camera is simulated.
+Every camera whose field of view is known is left out of the table, estimated from the rest, and compared.
 """
 
 import csv
@@ -30,25 +28,17 @@ from tests.helpers.data import ROOT, data_dir
 DOCUMENT = ROOT / "docs" / "estimates.md"
 HEADER = ["basis", "cameras", "intervals", "contain the truth", "median width", "needed"]
 FILES = "files: "
-"""Beginning of groups whose truths are of recorded pictures, not of live cameras; no total counts them."""
+"""Beginning of groups of recorded pictures, which no total counts."""
 MEASURED = ("calibration", "measurement", "reported")
 Item = TypeVar("Item")
 Key = TypeVar("Key")
-Profiles = Sequence[tuple[dict[str, str], float]]
 
 
 @dataclass(frozen=True)
 class Case:
-    """One camera that was left out.
+    """One camera that was left out: its horizontal field of view and the interval, degrees.
 
-    Attributes
-    ----------
-    basis, group
-        Basis of the estimate, and kind of evidence that the table shows apart.
-    camera
-        Camera, of which several sizes may be cases.
-    truth, low, high
-        Horizontal field of view and the interval, degrees.
+    `group`: kind of evidence that the table shows apart. Several sizes of a `camera` may be cases.
     """
 
     basis: str
@@ -78,55 +68,53 @@ class Case:
         return abs(math.log(self.truth / math.sqrt(self.low * self.high)))
 
 
+def model_of(fact: Fact) -> tuple[str, str]:
+    return fact.maker, fact.model
+
+
 def is_aspect(fact: Fact) -> bool:
-    """True if `size` is an aspect only, such as 16, 9."""
     return fact.size[0] < 64
 
 
 def device(fact: Fact) -> Device:
-    """Device that a fact is about, its model named."""
     words = max(fact.words, key=len) if fact.words else frozenset[str]()
     return Device(fact.kind, fact.maker, fact.camera, fact.devices, words)
 
 
+def without(*models: tuple[str, str]) -> Knowledge:
+    return Knowledge(fact for fact in all_facts() if model_of(fact) not in models)
+
+
+def estimated(of: Device, size: tuple[float, float], about: Sequence[Fact]) -> Distribution:
+    stated = published(about, of, size)
+    return combine_evidence(without(*map(model_of, about)), of, size, [stated] if stated else [])
+
+
+def about_same_camera(fact: Fact) -> list[Fact]:
+    camera = (*model_of(fact), fact.camera)
+    return [f for f in all_facts() if (*model_of(f), f.camera) == camera and f is not fact]
+
+
 def sources_left_out() -> Iterator[Case]:
     """Each source that measured a model, estimated from the model's other sources."""
-    facts = all_facts()
-    for fact in facts:
-        others = [
-            f
-            for f in facts
-            if (f.maker, f.model, f.camera) == (fact.maker, fact.model, fact.camera) and f.url != fact.url
-        ]
-        if fact.what not in MEASURED or fact.title == lens_facts.TITLE or not others or is_aspect(fact):
-            continue
-        result = estimated(device(fact), fact.size, facts, others)
-        yield Case.of("webcams, depth cameras and phones, by model", fact.model, fact.log_tan, result)
-
-
-def estimated(
-    of: Device, size: tuple[float, float], facts: Sequence[Fact], about: Sequence[Fact]
-) -> Distribution:
-    """Estimate from facts about the model, and the rest of the table without the model."""
-    rest = [f for f in facts if not any((f.maker, f.model) == (a.maker, a.model) for a in about)]
-    stated = published(about, of, size)
-    return combine_evidence(Knowledge(rest), of, size, [stated] if stated else [])
+    for fact in all_facts():
+        others = [f for f in about_same_camera(fact) if f.url != fact.url]
+        if fact.what in MEASURED and fact.title != lens_facts.TITLE and others and not is_aspect(fact):
+            result = estimated(device(fact), fact.size, others)
+            yield Case.of("webcams, depth cameras and phones, by model", fact.model, fact.log_tan, result)
 
 
 def models_left_out(*, by_maker: bool) -> Iterator[Case]:
     """Each model, estimated from the other models of its maker and kind, or of its kind."""
-    facts = all_facts()
-    for kind in KINDS:
-        own = members(facts, kind)
-        for maker, model in sorted({(f.maker, f.model) for f in own}):
-            about = [f for f in own if (f.maker, f.model) == (maker, model)]
+    for kind, group in KINDS.items():
+        own = members(all_facts(), kind)
+        for model in sorted(set(map(model_of, own))):
+            about = [f for f in own if model_of(f) == model]
             size = about[0].size
-            truth = by_model(about, size)[maker, model]
-            rest = Knowledge(f for f in facts if (f.maker, f.model) != (maker, model))
-            asked = Device(kind, maker if by_maker else "", about[0].camera)
-            result = combine_evidence(rest, asked, size, [])
+            asked = Device(kind, model[0] if by_maker else "", about[0].camera)
+            result = combine_evidence(without(model), asked, size, [])
             if result.best.basis == ("family" if by_maker else "population"):
-                yield Case.of(KINDS.get(kind, kind), f"{maker} {model}", truth, result)
+                yield Case.of(group, " ".join(model), by_model(about, size)[model], result)
 
 
 KINDS = {
@@ -146,31 +134,30 @@ KINDS = {
 }
 
 
-def profiles() -> Profiles:
-    """Lens profiles of action cameras."""
+def profiles() -> Iterator[tuple[dict[str, str], float, tuple[str, str], str]]:
+    """Lens profiles of action cameras: row, angle, maker and model, mode."""
     with (data_dir() / "lens_profiles.csv").open(newline="", encoding="utf-8") as file:
-        usable = lens_facts.usable(csv.DictReader(file))
-    return [profile for profile in usable if lens_facts.identity(profile[0])[0] == "action"]
+        for row, angle in lens_facts.usable(csv.DictReader(file)):
+            kind, maker, model, mode, _ = lens_facts.identity(row)
+            if kind == "action":
+                yield row, angle, (maker, model), mode
 
 
 def contributors_left_out() -> Iterator[Case]:
     """Each contributor's profile of an action camera, estimated from other contributors' profiles."""
-    everything = profiles()
-    facts = all_facts()
-    for (maker, model), own in grouped(everything, lambda p: lens_facts.identity(p[0])[1:3]).items():
-        stated = [f for f in facts if (f.maker, f.model) == (maker, model) and f.title != lens_facts.TITLE]
-        for contributor, left_out in grouped(own, lambda p: p[0]["contributor"]).items():
-            others = [p for p in own if p[0]["contributor"] != contributor]
+    for model, own in grouped(profiles(), lambda profile: profile[2]).items():
+        stated = [f for f in all_facts() if model_of(f) == model and f.title != lens_facts.TITLE]
+        for contributor, left_out in grouped(own, lambda profile: profile[0]["contributor"]).items():
+            others = [(row, angle) for row, angle, *_ in own if row["contributor"] != contributor]
             about = [*stated, *(fact_of(row) for row in lens_facts.facts(others))]
             if not about:
                 continue
-            for mode in sorted({lens_facts.identity(p[0])[3] for p in left_out}):
-                row, angle = next(p for p in left_out if lens_facts.identity(p[0])[3] == mode)
-                size = (float(row["w"]), float(row["h"]))
-                named = Device("action", maker, label_words=frozenset({mode}))
-                result = estimated(named, size, facts, about)
+            for mode, (profile, *_) in sorted(grouped(left_out, lambda profile: profile[3]).items()):
+                row, angle, *_ = profile
+                named = Device("action", model[0], label_words=frozenset({mode}))
+                result = estimated(named, (float(row["w"]), float(row["h"])), about)
                 group = "files: action cameras, by model" + (" and mode" if mode else "")
-                yield Case.of(group, f"{maker} {model}", math.log(math.tan(angle / 2)), result)
+                yield Case.of(group, " ".join(model), math.log(math.tan(angle / 2)), result)
 
 
 def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
@@ -180,76 +167,56 @@ def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list
     return groups
 
 
-def calibrations_left_out() -> Iterator[Case]:
-    """Each published calibration at a size, estimated from one to four others at this size."""
-    yield from _own_calibrations(all_facts(), same=True)
-
-
-def sizes_left_out() -> Iterator[Case]:
-    """Each published calibration, estimated from one at another size of the same model."""
-    yield from _own_calibrations(all_facts(), same=False)
-
-
-def _own_calibrations(facts: Sequence[Fact], *, same: bool) -> Iterator[Case]:
-    for fact in facts:
-        if fact.what != "calibration" or is_aspect(fact) or fact.title == lens_facts.TITLE:
+def calibrations_left_out(*, same_size: bool) -> Iterator[Case]:
+    """Each published calibration, estimated from one to four others at its size, or one at another size."""
+    for fact in all_facts():
+        if not is_calibration(fact) or fact.title == lens_facts.TITLE:
             continue
-        model = [f for f in facts if (f.maker, f.model, f.camera) == (fact.maker, fact.model, fact.camera)]
         others = [
             f
-            for f in model
-            if f.what == "calibration"
-            and f is not fact
-            and not is_aspect(f)
-            and (f.size == fact.size) == same
-            and (f.url != fact.url or not same)
-        ]
+            for f in about_same_camera(fact)
+            if is_calibration(f)
+            and (f.size == fact.size) == same_size
+            and not (same_size and f.url == fact.url)
+        ][:4]
         if not others:
             continue
-        rest = Knowledge(f for f in facts if (f.maker, f.model) != (fact.maker, fact.model))
-        mean = statistics.median(f.log_tan for f in others[:4])
-        if same:
-            evidence = [calibrated(fact.kind, mean, min(len(others), 4))]
+        if same_size:
+            evidence = calibrated(fact.kind, statistics.median(f.log_tan for f in others), len(others))
         else:
-            evidence = [other_size(fact.kind, f.log_tan, f.size, fact.size, 1) for f in others[:1]]
-        result = combine_evidence(rest, replace(device(fact), label_words=frozenset()), fact.size, evidence)
+            evidence = other_size(fact.kind, others[0].log_tan, others[0].size, fact.size, 1)
+        asked = replace(device(fact), label_words=frozenset())
+        result = combine_evidence(without(model_of(fact)), asked, fact.size, [evidence])
         yield Case.of("webcams, depth cameras and phones", fact.model, fact.log_tan, result)
+
+
+def is_calibration(fact: Fact) -> bool:
+    return fact.what == "calibration" and not is_aspect(fact)
 
 
 def reports_left_out() -> Iterator[Case]:
     """Each phone's calibrated field, estimated from the focal length in the EXIF of its photographs."""
-    facts = [f for f in all_facts() if f.camera == "wide"]
     with_exif = {
         (row["maker"], row["model"]): float(row["value"])
         for row in rows()
         if (row["quantity"], row["what"], row["camera"]) == ("f35", "reported", "wide")
     }
-    for fact in facts:
-        focal = with_exif.get((fact.maker, fact.model))
-        if fact.what != "calibration" or focal is None or fact.kind != "phone_rear":
+    for fact in all_facts():
+        focal = with_exif.get(model_of(fact))
+        if (fact.what, fact.kind, fact.camera) != ("calibration", "phone_rear", "wide") or focal is None:
             continue
-        rest = Knowledge(f for f in facts if (f.maker, f.model) != (fact.maker, fact.model))
         evidence = [reported(fact.kind, "f35", focal, fact.size)]
         asked = replace(device(fact), label_words=frozenset(), model_ids=frozenset())
-        yield Case.of(
-            "phones, EXIF against calibrations",
-            fact.model,
-            fact.log_tan,
-            combine_evidence(rest, asked, fact.size, evidence),
-        )
+        result = combine_evidence(without(model_of(fact)), asked, fact.size, evidence)
+        yield Case.of("phones, EXIF against calibrations", fact.model, fact.log_tan, result)
 
 
 def summary(cases: Sequence[Case], name: str) -> list[str]:
-    held = sum(case.holds for case in cases) / len(cases)
+    held = statistics.mean(case.holds for case in cases)
     width = statistics.median(case.width for case in cases)
-    return [
-        name,
-        str(len({c.camera for c in cases})),
-        str(len(cases)),
-        f"{100 * held:.0f} %",
-        f"{100 * width:.0f} %",
-        f"{100 * needed(cases):.0f} %",
-    ]
+    cameras = {case.camera for case in cases}
+    shares = (f"{100 * share:.0f} %" for share in (held, width, needed(cases)))
+    return [name, str(len(cameras)), str(len(cases)), *shares]
 
 
 def needed(cases: Sequence[Case]) -> float:
@@ -258,8 +225,7 @@ def needed(cases: Sequence[Case]) -> float:
     return 2 * deviations[math.ceil(0.9 * len(deviations)) - 1]
 
 
-def tables(cases: Sequence[Case]) -> str:
-    """Table of coverage and width: each basis, and its groups."""
+def coverage(cases: Sequence[Case]) -> str:
     rows = []
     for basis, own in grouped(cases, lambda c: c.basis).items():
         rows.append(summary([c for c in own if not c.group.startswith(FILES)], f"**{basis}**"))
@@ -272,25 +238,17 @@ def tables(cases: Sequence[Case]) -> str:
 def slopes() -> str:
     """Slopes of the table: models with calibrations at 4:3 and at 16:9."""
     rows = []
-    for kind in SLOPES:
+    for kind, (slope, sigma, _) in SLOPES.items():
         found = []
-        for about in grouped(members(all_facts(), kind), lambda f: (f.maker, f.model)).values():
+        for about in grouped(members(all_facts(), kind), model_of).values():
             measured = [f for f in about if f.what != "specification" or f.kind == "depth_camera"]
             wide = [f.log_tan for f in measured if is_same_aspect(f.size, (16, 9))]
             narrow = [f.log_tan for f in measured if is_same_aspect(f.size, (4, 3))]
             if wide and narrow:
                 found.append((statistics.median(wide) - statistics.median(narrow)) / math.log(4 / 3))
         if len(found) > 1:
-            slope, sigma, _ = SLOPES[kind]
-            rows.append(
-                [
-                    KINDS.get(kind, kind),
-                    str(len(found)),
-                    f"{statistics.mean(found):.2f}",
-                    f"{statistics.stdev(found):.2f}",
-                    f"{slope:.2f} ± {sigma:.2f}",
-                ]
-            )
+            figures = f"{statistics.mean(found):.2f}", f"{statistics.stdev(found):.2f}"
+            rows.append([KINDS.get(kind, kind), str(len(found)), *figures, f"{slope:.2f} ± {sigma:.2f}"])
     return document.table(["kind", "models", "mean", "deviation", "used"], rows)
 
 
@@ -306,9 +264,9 @@ def populations() -> str:
 
 
 STEPS: dict[str, Callable[[], Iterator[Case]]] = {
-    "calibrations": calibrations_left_out,
+    "calibrations": lambda: calibrations_left_out(same_size=True),
     "device": reports_left_out,
-    "other size": sizes_left_out,
+    "other size": lambda: calibrations_left_out(same_size=False),
     "published": sources_left_out,
     "action cameras": contributors_left_out,
     "family": lambda: models_left_out(by_maker=True),
@@ -317,11 +275,10 @@ STEPS: dict[str, Callable[[], Iterator[Case]]] = {
 
 
 def main() -> None:
-    """Measure, and write the tables."""
     cases: list[Case] = []
     for _, step in announce("estimates", list(STEPS.items()), lambda step: step[0]):
         cases += step()
-    document.replace("coverage", tables(cases), DOCUMENT)
+    document.replace("coverage", coverage(cases), DOCUMENT)
     document.replace("populations", populations(), DOCUMENT)
     document.replace("slopes", slopes(), DOCUMENT)
 

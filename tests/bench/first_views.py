@@ -15,7 +15,7 @@ from calibsolver.capture import Capture
 from tests.helpers.solver import synthetic
 
 SIGMAS = {"flat guess": None, "estimate, published": 0.03, "estimate, population": 0.15}
-NOISE, MAX_VIEWS = 0.2, 15
+MAX_VIEWS = 15
 UNENDED = MAX_VIEWS + 1  # views that a capture counts which does not end
 
 
@@ -43,20 +43,18 @@ def runs(sigma: float | None, seeds: int, **options: int) -> Iterator[synthetic.
             start = None if sigma is None else starting(camera, sigma, own)
             capture = Capture(Board(), camera.img_size, camera.model, seed=start)
             rng = np.random.default_rng(100 * index + seed)
-            yield synthetic.run(camera, rng, noise=NOISE, capture=capture, **options)
+            yield synthetic.run(camera, rng, capture=capture, **options)
 
 
 def first_accepted(sigma: float | None, seeds: int = 6) -> float:
-    """Share of the captures whose first attempt is accepted."""
     sessions = runs(sigma, seeds, views=1, max_attempts=1)
     return statistics.fmean(len(session.views) for session in sessions)
 
 
-def measure(sigma: float | None, seeds: int = 6) -> Captures:
-    """Run whole captures, and their first attempts apart."""
-    sessions = list(runs(sigma, seeds, views=2, max_views=MAX_VIEWS))
+def measure(sigma: float | None) -> Captures:
+    sessions = list(runs(sigma, 6, views=2, max_views=MAX_VIEWS))
     return Captures(
-        first=first_accepted(sigma, seeds),
+        first=first_accepted(sigma),
         views=statistics.fmean(session.stopped or UNENDED for session in sessions),
         refused=statistics.fmean(len(session.reasons) for session in sessions),
     )

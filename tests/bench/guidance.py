@@ -1,12 +1,10 @@
-"""Captures in the closed loop with every guidance; writes docs/accuracy.md (`make bench DOCS=guidance`).
+"""`make bench DOCS=guidance`: captures in the closed loop with every guidance.
 
-`SEEDS=10` captures a camera and noise level; `ONLY=methods,conditions,hands,boards,bound` runs a part.
+`SEEDS=10` captures per camera and noise level; `ONLY=methods,conditions,hands,boards,bound`.
 """
 
 import os
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib import pyplot
@@ -29,15 +27,6 @@ CLUMSY = User(degrees=9.0, share=0.09)
 Run = Callable[[Camera, np.random.Generator, float], Session]
 
 
-@dataclass(frozen=True)
-class Method:
-    """A way to capture; `ends` where it stops by itself."""
-
-    name: str
-    run: Run
-    ends: bool = True
-
-
 def guided(views: int = 10, **world: object) -> Run:
     def run(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
         return synthetic.run(camera, rng, noise=noise, views=views, max_views=MAX_VIEWS, **world)  # type: ignore[arg-type]
@@ -55,13 +44,18 @@ def comfortable(camera: Camera, rng: np.random.Generator, noise: float) -> Sessi
     return synthetic.run(camera, rng, noise=noise, views=8, max_views=MAX_VIEWS, guide=guide)
 
 
-METHODS = (
-    Method("projection-uncertainty", guided()),
-    Method("fixed plan", planned),
-    Method("pose-selection", lambda c, rng, noise: peers.run_published_method(c, rng, noise)),
-    Method("random poses", lambda c, rng, noise: peers.random_poses(c, rng, 20, noise), ends=False),
-    Method("waving the board", lambda c, rng, noise: peers.waving(c, rng, 20, noise), ends=False),
+def random(views: int, hand: hands.Hand = hands.STEADY) -> Run:
+    return lambda camera, rng, noise: peers.random_poses(camera, rng, views, noise, hand)
+
+
+METHODS: tuple[tuple[str, Run, bool], ...] = (
+    ("projection-uncertainty", guided(), True),
+    ("fixed plan", planned, True),
+    ("pose-selection", peers.run_published_method, True),
+    ("random poses", random(20), False),
+    ("waving the board", lambda camera, rng, noise: peers.waving(camera, rng, 20, noise), False),
 )
+"""Ways to capture, and whether they end."""
 
 
 def sessions(run: Run, cameras: Sequence[Camera], seeds: int, noise: float) -> list[Session]:
@@ -82,35 +76,29 @@ def errors(found: Sequence[Session], views: int, of: str = "mean") -> list[float
 
 
 def row(name: str, found: Sequence[Session], ends: bool = True) -> list[str]:
-    stops = [s.stopped if s.stopped is not None else 99 for s in found]
-    after = [s for s in found if s.stopped]
-    last = ""
-    if ends and after:
-        off = [s.rms[s.stopped - 1] > 2 * s.predicted[s.stopped - 1] for s in after if s.stopped]
-        last = f"{100 * np.mean(off):.1f} %"
-    end = f"{np.median(stops):.0f}/{np.percentile(stops, 95):.0f}" if ends else ""
     tries = sum(s.attempts for s in found) / max(sum(len(s.views) for s in found), 1)
-    return [
-        name,
-        str(len(found)),
-        end,
-        pair([s.mean[s.stopped - 1] for s in after if s.stopped]) if ends else "",
-        *(pair(errors(found, n)) for n in VIEWS),
-        f"{tries:.2f}",
-        last,
-        str(sum(s.stopped is None for s in found)) if ends else "",
-    ]
+    figures = [*(pair(errors(found, n)) for n in VIEWS), f"{tries:.2f}"]
+    if not ends:
+        return [name, str(len(found)), "", "", *figures, "", ""]
+    off = np.array(at_end(found, "rms")) > 2 * np.array(at_end(found, "predicted"))
+    share = f"{100 * np.mean(off):.1f} %" if len(off) else ""
+    never = str(sum(s.stopped is None for s in found))
+    return [name, str(len(found)), stops(found), pair(at_end(found, "mean")), *figures, share, never]
+
+
+def at_end(found: Sequence[Session], of: str) -> list[float]:
+    return [getattr(s, of)[s.stopped - 1] for s in found if s.stopped]
+
+
+def stops(found: Sequence[Session]) -> str:
+    """Views at the end, median / 95th percentile."""
+    counts = [s.stopped or 99 for s in found]
+    return f"{np.median(counts):.0f}/{np.percentile(counts, 95):.0f}"
 
 
 HEADER = [
-    "",
-    "captures",
-    "views at the end",
-    "error at the end",
-    *(f"{n} views" for n in VIEWS),
-    "attempts per view",
-    "error > 2 x predicted",
-    "never ended",
+    *("", "captures", "views at the end", "error at the end", *(f"{n} views" for n in VIEWS)),
+    *("attempts per view", "error > 2 x predicted", "never ended"),
 ]
 
 
@@ -119,14 +107,14 @@ def methods(seeds: int) -> str:
     cameras = synthetic.rectilinear_cameras()
     rows: list[list[str]] = []
     figure, axes = pyplot.subplots(figsize=(8, 4.5))
-    for method in METHODS:
+    for name, run, ends in METHODS:
         for noise in NOISES:
-            found = sessions(method.run, cameras, seeds, noise)
-            rows.append(row(f"{method.name}, {noise} px", found, method.ends))
+            found = sessions(run, cameras, seeds, noise)
+            rows.append(row(f"{name}, {noise} px", found, ends))
             if noise == 0.2:
                 counts = [n for n in range(2, 11) if len(errors(found, n)) > 0.5 * len(found)]
                 spread = [np.percentile(errors(found, n), [50, 95]) for n in counts]
-                (line,) = axes.plot(counts, [s[0] for s in spread], label=method.name)
+                (line,) = axes.plot(counts, [s[0] for s in spread], label=name)
                 axes.plot(counts, [s[1] for s in spread], "--", color=line.get_color())
     axes.set(xlabel="views", ylabel="mean projection error, px", yscale="log", ylim=(0.05, 10))
     axes.legend()
@@ -135,7 +123,6 @@ def methods(seeds: int) -> str:
 
 
 def conditions(seeds: int) -> str:
-    """The default method where things are harder, at 0.2 px."""
     straight = synthetic.rectilinear_cameras()
     harder: list[tuple[str, Run, Sequence[Camera]]] = [
         ("comfortable poses only", comfortable, straight),
@@ -146,14 +133,11 @@ def conditions(seeds: int) -> str:
         ("rational, 75 to 125 degrees", guided(8), populations.rational_cameras()),
         ("omnidirectional, 120 to 190 degrees", guided(8), populations.omnidirectional_cameras()),
     ]
-    rows = []
-    for name, run, cameras in harder:
-        rows.append(row(name, sessions(run, cameras, seeds, 0.2)))
-    return document.table(HEADER, rows)
+    return document.table(HEADER, [row(name, sessions(*world, seeds, 0.2)) for name, *world in harder])
 
 
 def real_hands(seeds: int) -> str:
-    """The default method in hands that move, with boards that bend, at 0.2 px; and random poses beside it."""
+    """The default method and random poses in hands that move, with boards that bend, at 0.2 px."""
     cameras = synthetic.rectilinear_cameras()
     rows = []
     for name, hand in (
@@ -162,7 +146,7 @@ def real_hands(seeds: int) -> str:
         ("both", hands.MOVING_AND_BENT),
     ):
         rows.append(row(name, sessions(guided(6, hand=hand), cameras, seeds, 0.2)))
-        found = sessions(random_in(hand), cameras, seeds, 0.2)
+        found = sessions(random(10, hand), cameras, seeds, 0.2)
         rows.append(row(f"{name}: random poses", found, ends=False))
     return document.table(HEADER, rows)
 
@@ -176,6 +160,10 @@ BOARDS = {
 }
 """Noise, px, and the hand; motion between the middle row and the rim."""
 BOARD_VIEWS = 8
+BOARDS_HEADER = [
+    *("board", "captures", f"error after {BOARD_VIEWS} views", "stated", "within twice it"),
+    *("views at the end", "error at the end"),
+]
 
 
 def boards(seeds: int) -> str:
@@ -185,31 +173,14 @@ def boards(seeds: int) -> str:
         found = sessions(guided(BOARD_VIEWS, hand=hand), cameras, seeds, noise)
         stated = [s.predicted[BOARD_VIEWS - 1] for s in found]
         actual = errors(found, BOARD_VIEWS, "rms")
-        stops = [s.stopped or 99 for s in found]
-        at_end = [s.rms[s.stopped - 1] for s in found if s.stopped]
-        within = np.mean(np.array(actual) <= 2 * np.array(stated))
-        ends = f"{np.median(stops):.0f}/{np.percentile(stops, 95):.0f}"
-        rows.append([name, str(len(found)), pair(actual), pair(stated), f"{within:.0%}", ends, pair(at_end)])
+        within = f"{np.mean(np.array(actual) <= 2 * np.array(stated)):.0%}"
+        ends = stops(found), pair(at_end(found, "rms"))
+        rows.append([name, str(len(found)), pair(actual), pair(stated), within, *ends])
     return document.table(BOARDS_HEADER, rows)
 
 
-BOARDS_HEADER = [
-    "board",
-    "captures",
-    f"error after {BOARD_VIEWS} views",
-    "stated",
-    "within twice it",
-    "views at the end",
-    "error at the end",
-]
-
-
-def random_in(hand: hands.Hand) -> Run:
-    return lambda camera, rng, noise: peers.random_poses(camera, rng, 10, noise, hand)
-
-
 def limit(seeds: int) -> str:
-    """The predicted error of captures beside that of the best views that could be found."""
+    """Predicted error of captures and of the best views that could be found."""
     cameras = synthetic.rectilinear_cameras()
     best = np.median([bound(camera, VIEWS) for camera in cameras], axis=0)
     found = sessions(guided(), cameras, max(1, seeds // 3), 0.2)
@@ -225,13 +196,13 @@ def limit(seeds: int) -> str:
 SWEEPS = 2
 
 
-def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[float]:
+def bound(camera: Camera, counts: tuple[int, ...]) -> list[float]:
     """Predicted rms error over the image, px, of the best `counts` views found: greedy, then exchanged."""
     board = Board()
     guide = ProjectionUncertainty(board, camera.img_size, camera.model)
     model, k = guide.model, camera.intrinsics
     nothing = IntrinsicsPosterior(
-        model, k, prior.information(model, k, camera.img_size), noise, camera.img_size
+        model, k, prior.information(model, k, camera.img_size), 0.2, camera.img_size
     )
     found: list[np.ndarray] = []
     out = []
@@ -251,7 +222,7 @@ def bound(camera: Camera, counts: tuple[int, ...], noise: float = 0.2) -> list[f
 def best_pose(
     guide: ProjectionUncertainty, nothing: IntrinsicsPosterior, found: list[np.ndarray], index: int
 ) -> np.ndarray:
-    """Information (p, p) of the pose that is found best beside others."""
+    """Information (p, p) of the best pose in addition to others."""
     information = nothing.information + sum(found, np.zeros_like(nothing.information))
     posterior = IntrinsicsPosterior(nothing.model, nothing.k, information, nothing.noise, nothing.img_size)
     with np.errstate(all="ignore"):
@@ -270,14 +241,10 @@ PARTS = {"methods": methods, "conditions": conditions, "hands": real_hands, "boa
 
 
 def main() -> None:
-    """Run the parts asked for; each writes its own table."""
     seeds = int(os.environ.get("SEEDS", "10"))
     chosen = [part for part in PARTS.items() if document.is_chosen(part[0])]
     for name, part in announce(f"guidance {seeds}", chosen, lambda step: step[0]):
-        begin = time.monotonic()
-        text = part(seeds)
-        print(f"\n{name}, {seeds} captures a camera, {time.monotonic() - begin:.0f} s\n\n{text}\n")
-        document.replace(f"guidance {name}", text)
+        document.replace(f"guidance {name}", part(seeds))
 
 
 if __name__ == "__main__":

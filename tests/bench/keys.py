@@ -1,8 +1,7 @@
-"""`make bench DOCS=keys`: does the key of a camera suffice? Writes docs/camera-keys.md.
+"""`make bench DOCS=keys`: does the key of a camera suffice?
 
-Two kinds of evidence. Labels that browsers were seen to report, with what is known of the product behind
-each: which ways of making a key tell products apart, and which find a product again. And published lens
-profiles: how much of what makes two calibrations of one camera differ a browser could not tell in any case.
+Labels that browsers reported, each with its product: which ways of making a key distinguish products, and
+which find a product again. Published lens profiles: how often people with one camera have one lens.
 """
 
 import itertools
@@ -18,7 +17,6 @@ from calibdb.camera_key import Identity, identify
 from calibdb.camera_key.system import system_of
 from calibsolver import Camera
 from calibsolver.consensus.agreement import compare
-from infra.console import announce
 from tests.bench import document
 from tests.helpers.data import ROOT
 from tests.helpers.service.labels import rows as label_rows
@@ -26,13 +24,14 @@ from tests.helpers.solver import populations
 
 DOCUMENT = ROOT / "docs" / "camera-keys.md"
 SAME_LENS_WIDTHS = 0.01  # of the width, rms over the image: what may pass for one lens
+WAYS = ["key", "wrong pairs", "precision", "recall, evident", "recall, all"]
 LENSES = ["known fields", "cameras calibrated by several people", "pairs of one lens"]
 MAX_COMPARED = 12  # calibrations of one camera that are compared
 
 
 @dataclass(frozen=True)
 class Label:
-    """A label as a browser reported it, the product behind it, and what the key makes of it."""
+    """A label as a browser reported it, its product, and what the key makes of it."""
 
     label: str
     platform: str
@@ -48,13 +47,13 @@ def labels() -> list[Label]:
 
 
 def resolved(asked: Identity, known: Sequence[Label]) -> str:
-    """The key that answers where every label with a USB id was calibrated."""
+    """Key by which a lookup would be answered if every label with a USB id was calibrated."""
     ids = {k.identity.key for k in known if k.identity.usb_id and asked.key in k.identity.name_keys}
     return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
 
 
 def ways(found: Sequence[Label]) -> list[tuple[str, Callable[[Label], str]]]:
-    """Ways of making a key, each with one hint more."""
+    """Ways to make a key, each with one more hint."""
     return [
         ("raw label", lambda x: x.label),
         ("raw label and platform", lambda x: f"{x.label}|{x.platform}"),
@@ -70,46 +69,38 @@ def compared(found: Sequence[Label]) -> list[list[str]]:
     real = [x for x in found if not x.identity.virtual]
     pairs = list(itertools.combinations(real, 2))
     same = [(a, b) for a, b in pairs if a.product == b.product]
-    evident = [
-        (a, b)
-        for a, b in same
-        if (a.identity.usb_id and a.identity.usb_id == b.identity.usb_id)
-        or plain(a.label) == plain(b.label)
-        or a.identity.name == b.identity.name
-    ]
+    evident = [(a, b) for a, b in same if is_evident(a, b) and is_english(a) and is_english(b)]
     out = []
     for name, key in ways(real):
         wrong = sum(a.product != b.product and key(a) == key(b) for a, b in pairs)
         right = sum(key(a) == key(b) for a, b in same)
         precision = f"{right / (right + wrong):.2f}" if right + wrong else ""
-        known = (untranslated(evident), same)
-        recalls = [sum(key(a) == key(b) for a, b in some) / len(some) for some in known]
+        recalls = [sum(key(a) == key(b) for a, b in some) / len(some) for some in (evident, same)]
         out.append([name, str(wrong), precision, *(f"{r:.2f}" for r in recalls)])
     return out
 
 
-def plain(label: str) -> str:
-    return label.casefold().strip()
+def is_evident(a: Label, b: Label) -> bool:
+    return (
+        (a.identity.usb_id and a.identity.usb_id == b.identity.usb_id)
+        or a.label.casefold().strip() == b.label.casefold().strip()
+        or a.identity.name == b.identity.name
+    )
 
 
-def untranslated(pairs: Sequence[tuple[Label, Label]]) -> list[tuple[Label, Label]]:
-    """Pairs of one language: most of the others are one name in seventeen."""
-    english = [(a, b) for a, b in pairs if a.platform.partition("(")[2] in ("", "en)")]
-    return [(a, b) for a, b in english if b.platform.partition("(")[2] in ("", "en)")]
+def is_english(label: Label) -> bool:
+    """True if a label is in English: most of the others are one name in seventeen languages."""
+    return label.platform.partition("(")[2] in ("", "en)")
 
 
 def lenses() -> list[list[str]]:
     """Rows: what is known of the camera, how many such cameras, and pairs of people who had one lens."""
-    # Of which all is known, so that the rows of the table are of the same calibrations.
+    # All fields are known, so that the rows of the table are of the same calibrations.
     known = ("brand", "model", "lens", "setting")
     rows = [row for row in populations.profile_rows() if all(row[name].strip() for name in known)]
-    told = [
-        ("brand and model", ("brand", "model")),
-        ("brand, model, lens", ("brand", "model", "lens")),
-        ("brand, model, lens, setting", ("brand", "model", "lens", "setting")),
-    ]
     out = []
-    for name, fields in told:
+    for name, count in (("brand and model", 2), ("brand, model, lens", 3), (", ".join(known), 4)):
+        fields = known[:count]
         # One calibration of each contributor, all at one size.
         groups: dict[tuple[str, ...], dict[str, Camera]] = defaultdict(dict)
         for row in rows:
@@ -137,34 +128,26 @@ def facts(found: Sequence[Label]) -> list[list[str]]:
     guessed = sum(identify(name, "X11; Linux x86_64").distinct for name in several)
     answered = [x for x in real if not x.identity.ambiguous]
     virtual = [x for x in found if x.product == "virtual"]
+    recognised = sum(x.identity.virtual for x in virtual)
     return [
         ["labels", str(len(found))],
         ["products with these labels", str(len({x.product for x in found}))],
         ["labels that identify their product", f"{len(answered)} of {len(real)}"],
         ["names shared by several USB ids", str(len(several))],
         ["of these resolved by the name only", str(guessed)],
-        [
-            "virtual cameras recognised",
-            f"{sum(x.identity.virtual for x in virtual)} of {len(virtual)}",
-        ],
-        [
-            "real cameras mistaken for virtual ones",
-            str(sum(x.identity.virtual for x in found) - len(virtual)),
-        ],
+        ["virtual cameras recognised", f"{recognised} of {len(virtual)}"],
+        ["real cameras mistaken for virtual ones", str(len(found) - len(real) - len(virtual))],
     ]
 
 
 def main() -> None:
-    """Measure, and write the tables."""
     found = labels()
-    header = ["key", "wrong pairs", "precision", "recall, evident", "recall, all"]
-    parts: dict[str, Callable[[], str]] = {
-        "ways": lambda: document.table(header, compared(found)),
-        "facts": lambda: document.table(["", ""], facts(found)),
-        "lenses": lambda: document.table(LENSES, lenses()),
-    }
-    for name, table in announce("keys", list(parts.items()), lambda step: step[0]):
-        document.replace(name, table(), DOCUMENT)
+    for name, header, rows in (
+        ("ways", WAYS, compared(found)),
+        ("facts", ["", ""], facts(found)),
+        ("lenses", LENSES, lenses()),
+    ):
+        document.replace(name, document.table(header, rows), DOCUMENT)
 
 
 if __name__ == "__main__":

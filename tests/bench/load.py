@@ -13,44 +13,48 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from infra.server.server import Server
+from tests.helpers.data import ROOT
+from tests.helpers.service.client import CAMERA, TOKEN
 from tests.helpers.service.published import calibration, publish
 from tests.helpers.stack.processes import LocalProcess
 
-ROOT = Path(__file__).parents[2]
-LABEL = "Measured camera (046d:0825)"
+Request = tuple[str, str, Mapping[str, str], str]
+"""Method, path, headers and body."""
 SPIN_S = 0.002
 """Before a request is due, for which the process does not sleep: the clock of `epoll` has milliseconds."""
 
 
+def lookup(camera: str, **more: object) -> Request:
+    headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
+    return "POST", "/v1/lookup", headers, json.dumps({**CAMERA, "camera": camera, **more})
+
+
+LABEL = "Measured camera (046d:0825)"
+KNOWN = lookup(LABEL)
+HEALTH: Request = ("GET", "/healthz", {}, "")
+
+
+def page(path: str) -> Request:
+    return "GET", path, {"accept-encoding": "gzip"}, ""
+
+
 @dataclass(frozen=True)
 class Load:
-    """Measurements, ms: `each`, the wall time over the number of requests, and `latencies`, sorted."""
+    """Measurements, ms: `each`, the wall time over the number of requests, and `latencies`."""
 
     each: float
     latencies: list[float]
 
-    def percentile(self, share: float) -> float:
-        return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
 
-
-def drive(
-    url: str,
-    method: str,
-    path: str,
-    headers: Mapping[str, str] | None = None,
-    body: str = "",
-    *,
-    requests: int,
-    clients: int,
-    rate: float = 0.0,
-) -> Load:
-    """Send the request from another process; every answer must be a 200.
+def drive(url: str, request: Request, *, requests: int, clients: int, rate: float = 0.0) -> Load:
+    """Send the request from another process; every response must be a 200.
 
     `rate`: requests per second of all clients together, whether the server keeps up or not. Latencies then
-    count from the moment at which a request was due. 0: as fast as answers come.
+    count from the moment at which a request was due. 0: as fast as responses come.
     """
+    method, path, headers, body = request
     address = url.removeprefix("http://")
-    head = {"host": address, "content-length": str(len(body.encode())), **(headers or {})}
+    head = {"host": address, "content-length": str(len(body.encode())), **headers}
     lines = [f"{method} {path} HTTP/1.1", *(f"{name}: {value}" for name, value in head.items())]
     asked = {"message": "\r\n".join([*lines, "", body]), "address": address}
     numbers = map(str, (requests, clients, rate))
@@ -116,7 +120,7 @@ def main(asked: Mapping[str, str], requests: int, clients: int, rate: float) -> 
             received[number] = b""
             idle.append(number)
     elapsed = time.perf_counter() - start
-    print(json.dumps({"each": elapsed * 1e3 / requests, "latencies": sorted(latencies)}))
+    print(json.dumps({"each": elapsed * 1e3 / requests, "latencies": latencies}))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
-"""Memory of a server's processes under a mixed load: `make bench DOCS=memory` with MINUTES=10.
+"""Memory of a server's processes under a mixed load: `make bench DOCS=memory`, `MINUTES=10`.
 
-Two processes serve lookups, pages, dumps and captures. The resident memory of each is read every ten seconds.
+Two processes serve lookups, pages and captures. The resident memory of each is read every ten seconds.
 """
 
-import json
 import os
 import statistics
 import subprocess
@@ -14,11 +13,16 @@ from pathlib import Path
 from infra.server.server import DEVELOPMENT_TOKEN
 from tests.bench import load
 from tests.bench.captures import drive
-from tests.helpers.service.client import CAMERA, TOKEN
 
 WORKERS, REQUESTS, SAMPLE_S = 2, 10_000, 10.0
 # So many that few calibrations meet in a refit, whose memory grows with their number.
 CAMERAS = 1000
+KINDS = (
+    load.KNOWN,
+    load.lookup("Another camera", miss="ok"),
+    *map(load.page, ("/", "/calibrate/", "/docs/api/")),
+    load.HEALTH,
+)
 
 
 def memory_mb(pid: int | str) -> float:
@@ -33,30 +37,26 @@ def largest_mb(parent: int) -> float:
     return max(map(memory_mb, children.stdout.split()))
 
 
-def lookups(url: str, requests: int) -> None:
-    """Send lookups of a known camera."""
-    body = json.dumps({**CAMERA, "camera": load.LABEL})
-    headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
-    load.drive(url, "POST", "/v1/lookup", headers, body, requests=requests, clients=8)
+def send_all_kinds(url: str, requests: int) -> None:
+    """Send so many requests that leave nothing behind."""
+    for kind in KINDS:
+        load.drive(url, kind, requests=requests // len(KINDS), clients=4)
 
 
 def mixed_load(url: str, end: float) -> None:
-    """Send lookups, pages and captures until a time of the monotonic clock."""
+    """Send requests of all kinds, and captures, until a time of the monotonic clock."""
     while time.monotonic() < end:
-        lookups(url, 2000)
-        for path in ("/", "/calibrate/", "/docs/api/", "/healthz"):
-            load.drive(url, "GET", path, {"accept-encoding": "gzip"}, "", requests=200, clients=4)
+        load.drive(url, load.KNOWN, requests=2000, clients=8)
+        send_all_kinds(url, 1000)
         drive(url, DEVELOPMENT_TOKEN, 6, 4, cameras=CAMERAS, faults=0.0, seed=round(time.monotonic()))
 
 
 def main() -> None:
-    """Print the memory after the lookups, and its course under the mixed load."""
     minutes = float(os.environ.get("MINUTES", "10"))
     with load.serving_known_camera(WORKERS=str(WORKERS)) as server:
-        lookups(server.url, WORKERS * REQUESTS)
+        load.drive(server.url, load.KNOWN, requests=WORKERS * REQUESTS, clients=8)
         print(f"after {REQUESTS} lookups each: {largest_mb(server.process.pid):.0f} MB at most")
-        end = time.monotonic() + 60 * minutes
-        mixed = threading.Thread(target=mixed_load, args=(server.url, end))
+        mixed = threading.Thread(target=mixed_load, args=(server.url, time.monotonic() + 60 * minutes))
         mixed.start()
         samples = []
         while mixed.is_alive():

@@ -1,21 +1,18 @@
-"""`make bench DOCS=real-views`: the guidance chooses among the views of real sets; writes docs/accuracy.md.
+"""`make bench DOCS=real-views`: the guidance chooses among the views of real sets.
 
 Of a set with at least 16 views k are chosen one after the other, each by the estimate from those before it,
 and fitted. The distance of that camera from a reference, px rms over the image after the best rotation, is
 compared with the distances of eight random choices of k views. Three references: the fit of all other views,
-which lacks what the choice took; the fit of all views, the same for every choice; and the fit of views that
-were set aside at random before the choice, which no choice can spoil or improve.
-
-Beside the criterion of the guidance: a choice that represents the set, and the targets of the published
-method.
+which lacks what the choice took; the fit of all views; and the fit of views that were set aside at random
+before the choice, which no choice can spoil or improve.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from calibsolver import Calibration, CalibrationError, Camera, View, fit, rotation
+from calibsolver import Calibration, CalibrationError, Camera, View, rotation
 from calibsolver.arrays import Array, symmetric_inverse, whitening
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting import prior
@@ -26,6 +23,7 @@ from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.posterior import IntrinsicsPosterior
 from tests.bench import corners, document
+from tests.bench.corners import try_fit
 from tests.helpers.data import on_board
 from tests.helpers.solver import synthetic
 
@@ -54,22 +52,29 @@ def distance(one: Camera, other: Camera, q: Array | None = None) -> float:
 
 
 def guided(views: Sequence[View], size: tuple[int, int], model: str, count: int) -> list[int]:
-    """Choose the view that reduces the predicted projection error most, each time.
-
-    By the estimate from those before it, as a guided capture chooses a pose; the first by the prior alone.
-    """
+    """Choose the view that reduces the predicted projection error most, each time, as a guided capture."""
     obs = Observations.of(views)
     chosen: list[int] = []
     while len(chosen) < min(count, len(views)):
-        calibration = try_fit([views[i] for i in chosen], size, model) if chosen else None
-        posterior = replace(IntrinsicsPosterior.of(model, size, calibration), systematic=1.0)
+        posterior = posterior_of([views[i] for i in chosen], size, model, systematic=1.0)
         information = view_information(posterior, obs)
         total = prior.information(posterior.model, posterior.k, size) + information[chosen].sum(axis=0)
-        left = [i for i in range(len(views)) if i not in chosen]
+        left = others(views, chosen)
         after = symmetric_inverse(total + information[left])
         error = np.einsum("vij,ij->v", after, posterior.error_metric)
         chosen.append(left[int(np.nanargmin(error))])
     return chosen
+
+
+def posterior_of(
+    views: Sequence[View], size: tuple[int, int], model: str, systematic: float
+) -> IntrinsicsPosterior:
+    calibration = try_fit(views, size, model) if views else None
+    return replace(IntrinsicsPosterior.of(model, size, calibration), systematic=systematic)
+
+
+def others(views: Sequence[View], chosen: Sequence[int]) -> list[int]:
+    return [i for i in range(len(views)) if i not in chosen]
 
 
 def view_information(posterior: IntrinsicsPosterior, obs: Observations) -> Array:
@@ -89,14 +94,12 @@ def representative(views: Sequence[View], size: tuple[int, int], model: str, cou
     obs = Observations.of(views)
     chosen: list[int] = []
     while len(chosen) < count:
-        calibration = try_fit([views[i] for i in chosen], size, model) if chosen else None
-        posterior = replace(IntrinsicsPosterior.of(model, size, calibration), systematic=0.0)
+        posterior = posterior_of([views[i] for i in chosen], size, model, systematic=0.0)
         information = view_information(posterior, obs)
         known = prior.information(posterior.model, posterior.k, size)
         posed = np.flatnonzero(np.abs(information).max(axis=(1, 2)) > 0).tolist()
         every = (information.sum(axis=0) + known) / max(len(posed), 1)
-        left = [i for i in posed if i not in chosen]
-        left = left or [i for i in range(len(views)) if i not in chosen]
+        left = [i for i in posed if i not in chosen] or others(views, chosen)
         mean = (information[chosen].sum(axis=0) + information[left] + known) / (len(chosen) + 1)
         t = whitening(mean)
         x = np.swapaxes(t, -1, -2) @ every @ t
@@ -113,47 +116,19 @@ def published(views: Sequence[View], size: tuple[int, int], model: str, count: i
     while len(chosen) < count:
         with np.errstate(all="ignore"):
             target = guide.next_pose([shown[i] for i in chosen], None)
-        left = [i for i in range(len(views)) if i not in chosen]
-        chosen.append(max(left, key=lambda i: jaccard_index(target.outline, outlines[i], size)))
+        overlaps = {i: jaccard_index(target.outline, outlines[i], size) for i in others(views, chosen)}
+        chosen.append(max(overlaps, key=overlaps.__getitem__))
     return chosen
-
-
-@dataclass(frozen=True)
-class Row:
-    """Distances from the references, px: guided, random (median), representative, published."""
-
-    name: str
-    model: str
-    count: int
-    others: tuple[float, ...]
-    """From the fit of all views that were not chosen."""
-    everything: tuple[float, ...]
-    """From the fit of all views."""
-
-
-@dataclass(frozen=True)
-class Aside:
-    """Distances from the fit of views set aside at random: guided, random (median), representative."""
-
-    name: str
-    model: str
-    count: int
-    distances: tuple[float, ...]
-
-
-def try_fit(views: Sequence[View], size: tuple[int, int], model: str) -> Calibration | None:
-    try:
-        return fit(views, size, model, board_shape=False)
-    except CalibrationError:
-        return None
 
 
 def distances(
     views: Sequence[View], size: tuple[int, int], model: str, chosen: Sequence[int], whole: Camera
 ) -> tuple[float, float]:
-    """Distances of the fit of the chosen views from that of all others, and from that of all."""
+    """Distances of the fit of the chosen views from that of all others, and from that of all; NaN of none."""
+    if not chosen:
+        return np.nan, np.nan
     ours = try_fit([views[i] for i in chosen], size, model)
-    rest = try_fit([view for i, view in enumerate(views) if i not in chosen], size, model)
+    rest = try_fit([views[i] for i in others(views, chosen)], size, model)
     if ours is None:
         return np.inf, np.inf
     return distance(rest.camera, ours.camera) if rest else np.nan, distance(whole, ours.camera)
@@ -173,13 +148,20 @@ def believable(views: Sequence[View], size: tuple[int, int]) -> dict[str, Calibr
     return {model: f for model, f in fits.items() if f.noise <= MAX_NOISE_RATIO * least}
 
 
-def rows_of(name: str) -> list[Row]:
+def random_choices(count: int, of: int, rng: np.random.Generator) -> list[list[int]]:
+    return [rng.permutation(of)[:count].tolist() for _ in range(DRAWS)]
+
+
+def rows_of(name: str) -> Iterator[tuple[list[str], Array]]:
+    """Set, model and number of views; distances (2, 4), px, from the fit of all others, and of all views.
+
+    Of the choices guided, random (median), representative, published.
+    """
     views, size = usable_views(name)
     if len(views) < MIN_VIEWS:
-        return []
-    out = []
+        return
+    counts = (6, 10, 15) if len(views) >= MIN_VIEWS_OF_MANY else (6,)
     for model, whole in believable(views, size).items():
-        counts = (6, 10, 15) if len(views) >= MIN_VIEWS_OF_MANY else (6,)
         sequences: list[list[int]] = []
         for choose in (guided, representative, published):
             try:
@@ -187,54 +169,44 @@ def rows_of(name: str) -> list[Row]:
             except CalibrationError:
                 sequences.append([])
         for count in counts:
-            rng = np.random.default_rng(0)
-            draws = [rng.permutation(len(views))[:count].tolist() for _ in range(DRAWS)]
-            drawn = [distances(views, size, model, draw, whole.camera) for draw in draws]
-            random = np.nanmedian(np.array(drawn), axis=0)
-            ours, typical, peer = (
-                distances(views, size, model, s[:count], whole.camera) if s else (np.nan, np.nan)
-                for s in sequences
-            )
-            others, everything = zip(ours, random.tolist(), typical, peer, strict=True)
-            row = Row(name, model, count, others, everything)
-            out.append(row)
-    return out
+            draws = random_choices(count, len(views), np.random.default_rng(0))
+            chosen = [*(sequence[:count] for sequence in sequences), *draws]
+            apart = [distances(views, size, model, choice, whole.camera) for choice in chosen]
+            ours, typical, peer, *drawn = apart
+            columns = (ours, np.nanmedian(np.array(drawn), axis=0), typical, peer)
+            yield [name, model, str(count)], np.array(columns).T
 
 
-def asides_of(name: str) -> list[Aside]:
-    """Distances from references that no choice can spoil: the views chosen from are 60 % of the set."""
+def asides_of(name: str) -> Iterator[tuple[float, ...]]:
+    """Distances from the fit of views set aside at random: guided, random (median), representative."""
     every, size = usable_views(name)
     if len(every) < MIN_VIEWS:
-        return []
-    out = []
+        return
+    counts = (4, 6, 10) if len(every) >= MIN_VIEWS_OF_MANY else (4, 6)
+    part = round(POOL_SHARE * len(every))
     for model in believable(every, size):
         for split in range(SPLITS):
             rng = np.random.default_rng(split)
             shuffled = [every[i] for i in rng.permutation(len(every))]
-            part = round(POOL_SHARE * len(every))
             views, reference = shuffled[:part], try_fit(shuffled[part:], size, model)
             if reference is None:
                 continue
-            counts = (4, 6, 10) if len(every) >= MIN_VIEWS_OF_MANY else (4, 6)
             sequences = [choose(views, size, model, counts[-1]) for choose in (guided, representative)]
             for count in counts:
-                draws = [rng.permutation(part)[:count].tolist() for _ in range(DRAWS)]
                 apart = []
-                for choice in (*(s[:count] for s in sequences), *draws):
+                for choice in (*(s[:count] for s in sequences), *random_choices(count, part, rng)):
                     found = try_fit([views[i] for i in choice], size, model)
                     apart.append(distance(reference.camera, found.camera) if found else np.inf)
-                out.append(Aside(name, model, count, (apart[0], float(np.median(apart[2:])), apart[1])))
-    return out
+                yield apart[0], float(np.median(apart[2:])), apart[1]
 
 
-def conclusion(rows: Sequence[Row], asides: Sequence[Aside]) -> str:
+def conclusion(rows: Array, asides: Array) -> str:
     parts = []
-    for what, columns in (
-        ("the fit of all other views", [row.others for row in rows]),
-        ("the fit of all views", [row.everything for row in rows]),
-        (f"the fit of views set aside before ({SPLITS} splits a set)", [row.distances for row in asides]),
+    for what, table in (
+        ("the fit of all other views", rows[:, 0]),
+        ("the fit of all views", rows[:, 1]),
+        (f"the fit of views set aside before ({SPLITS} splits a set)", asides),
     ):
-        table = np.array(columns)
         told = []
         for choice, column in (("guided", 0), ("representative", 2), ("published method's", 3)):
             if column < table.shape[1]:
@@ -252,21 +224,15 @@ def conclusion(rows: Sequence[Row], asides: Sequence[Aside]) -> str:
 
 
 def main() -> None:
-    """Compare on every set that is at hand."""
     rows = [row for name in corners.NAMES for row in rows_of(name)]
     asides = [row for name in corners.NAMES for row in asides_of(name)]
     choices = ("guided, px", "random", "representative", "published")
     header = ["set", "model", "views", *(f"{to}: {what}" for to in ("others", "all") for what in choices)]
     cells = [
-        [
-            row.name,
-            row.model,
-            str(row.count),
-            *(f"{value:.2f}" if np.isfinite(value) else "none" for value in (*row.others, *row.everything)),
-        ]
-        for row in rows
+        [*about, *(f"{value:.2f}" if np.isfinite(value) else "none" for value in apart.ravel())]
+        for about, apart in rows
     ]
-    told = conclusion(rows, asides)
+    told = conclusion(np.array([apart for _, apart in rows]), np.array(asides))
     document.replace("real views", f"{document.table(header, cells)}\n\n{told}")
 
 

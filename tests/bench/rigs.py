@@ -1,8 +1,4 @@
-"""Figures of rigs, simulated: `make bench DOCS=rigs RIGS=200`.
-
-Predicted error against the true one, for two, three and eight cameras; and the closed loop, a person who
-follows the guidance before two webcams until the rig's predicted error is below the goal.
-"""
+"""`make bench DOCS=rigs RIGS=200`: errors of simulated rigs, predicted and true, and guided captures."""
 
 import os
 from collections.abc import Sequence
@@ -12,6 +8,7 @@ import numpy as np
 from calibsolver import Board, CalibrationError, Camera, View, rig
 from calibsolver.rig.start import RigidMotion
 from calibsolver.rotation import matrix
+from tests.bench.document import table
 from tests.helpers.solver import rigs, synthetic
 
 RIGS = int(os.environ.get("RIGS", "200"))
@@ -24,7 +21,7 @@ SQUARE_CM = 3.0
 
 
 def draw(kind: str, rng: np.random.Generator) -> tuple[rigs.Rig, int]:
-    """Rig of a kind, and how many moments it is fitted to."""
+    """Rig of a kind, and the number of moments that it is fitted to."""
     flat, wide = synthetic.rectilinear_cameras(12), synthetic.fisheye_cameras(12)
 
     def pick(many: Sequence[Camera]) -> Camera:
@@ -40,23 +37,24 @@ def draw(kind: str, rng: np.random.Generator) -> tuple[rigs.Rig, int]:
 
 
 def as_rig(found: rig.RigCalibration) -> rigs.Rig:
-    """Rig that was found."""
     return rigs.Rig(found.cameras, [RigidMotion.of_vector(pose) for pose in found.poses])
 
 
-def predicted(kind: str, count: int) -> None:
-    """Print true over predicted error of `count` rigs."""
+def formats(truth: rigs.Rig) -> list[tuple[tuple[int, int], str]]:
+    return [(camera.img_size, camera.model) for camera in truth.cameras]
+
+
+def predicted(kind: str, count: int) -> list[str]:
+    """Row of true and predicted errors."""
     errors, expected = [], []
     for seed in range(count):
         rng = np.random.default_rng(seed)
         truth, moments = draw(kind, rng)
-        found = rig.fit(
-            rigs.moments(truth, BOARD, moments, NOISE, rng), [(c.img_size, c.model) for c in truth.cameras]
-        )
+        found = rig.fit(rigs.moments(truth, BOARD, moments, NOISE, rng), formats(truth))
         errors.append(rigs.transfer_error(truth, as_rig(found), found.working_distances.tolist()))
         expected.append(found.uncertainty.rms)
     ratio = np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(expected)))
-    print(f"| {kind} | {count} | {np.median(errors):.3f} | {ratio:.2f} |", flush=True)
+    return [kind, str(count), f"{np.median(errors):.3f}", f"{ratio:.2f}"]
 
 
 def webcams(rng: np.random.Generator) -> rigs.Rig:
@@ -75,7 +73,7 @@ def webcams(rng: np.random.Generator) -> rigs.Rig:
 
 def capture(truth: rigs.Rig, rng: np.random.Generator) -> tuple[int, float, float]:
     """Capture under guidance: moments taken (MAX_MOMENTS + 1 where stuck), predicted and true error, px."""
-    cameras = [(camera.img_size, camera.model) for camera in truth.cameras]
+    cameras = formats(truth)
     moments: list[dict[int, View]] = []
     calibration: rig.RigCalibration | None = None
     user = synthetic.User()
@@ -109,51 +107,43 @@ def capture(truth: rigs.Rig, rng: np.random.Generator) -> tuple[int, float, floa
     return MAX_MOMENTS + 1, np.nan, np.nan
 
 
-def closed_loop(count: int) -> None:
-    """Print how many moments guided captures of two webcams take."""
+def closed_loop(count: int) -> list[str]:
+    """Row of the moments that guided captures of two webcams take, and their errors."""
     taken = []
     for seed in range(count):
         rng = np.random.default_rng(1000 + seed)
         taken.append(capture(webcams(rng), rng))
     numbers, _, errors = np.array(taken).T
-    stuck = int((numbers > MAX_MOMENTS).sum())
-    print(
-        f"| {count} | {np.median(numbers):.0f} | {np.percentile(numbers, 95):.0f} | {stuck} "
-        f"| {np.nanmedian(errors):.3f} | {np.nanpercentile(errors, 95):.3f} |",
-        flush=True,
-    )
+    views = [f"{np.median(numbers):.0f}", f"{np.percentile(numbers, 95):.0f}"]
+    stuck = str((numbers > MAX_MOMENTS).sum())
+    return [str(count), *views, stuck, f"{np.nanmedian(errors):.3f}", f"{np.nanpercentile(errors, 95):.3f}"]
 
 
-def late(count: int) -> None:
-    """Print how many views that are 200 ms late are set aside, the hand at 5 cm/s; and how many others."""
-    for moments in (4, 6, 8):
-        caught = wrong = tried = 0
-        for seed in range(count):
-            rng = np.random.default_rng(2000 + seed)
-            truth = webcams(rng)
-            try:
-                good = rigs.moments(truth, BOARD, moments, NOISE, rng)
-                moment = rigs.late_moment(truth, BOARD, 0.2 * 5 / SQUARE_CM, NOISE, rng)
-            except ValueError:
-                continue
-            found = rig.fit([*good, moment], [(c.img_size, c.model) for c in truth.cameras])
-            aside = {m for m, _ in found.set_aside}
-            tried, caught, wrong = tried + 1, caught + (moments in aside), wrong + bool(aside - {moments})
-        print(f"| {moments} | {tried} | {caught} | {wrong} |", flush=True)
+def late(count: int, moments: int) -> list[str]:
+    """Row of views that are 200 ms late, the hand at 5 cm/s: how many are set aside, and how many others."""
+    caught = wrong = tried = 0
+    for seed in range(count):
+        rng = np.random.default_rng(2000 + seed)
+        truth = webcams(rng)
+        try:
+            good = rigs.moments(truth, BOARD, moments, NOISE, rng)
+            moment = rigs.late_moment(truth, BOARD, 0.2 * 5 / SQUARE_CM, NOISE, rng)
+        except ValueError:
+            continue
+        found = rig.fit([*good, moment], formats(truth))
+        aside = {m for m, _ in found.set_aside}
+        tried, caught, wrong = tried + 1, caught + (moments in aside), wrong + bool(aside - {moments})
+    return list(map(str, (moments, tried, caught, wrong)))
 
 
 def main() -> None:
-    """Print the tables of docs/accuracy.md."""
-    print("| rig | rigs | true error, px, median | true / predicted, rms |\n|---|---|---|---|")
-    for kind in ("two webcams", "two fisheyes", "three, mixed"):
-        predicted(kind, RIGS)
-    predicted("eight in a ring", max(RIGS // 4, 1))
-    print("\n| captures | moments, median | 95 % | stuck | true error, px, median | 95 % |")
-    print("|---|---|---|---|---|---|")
-    closed_loop(RIGS)
-    print("\n| good moments | rigs with a late one | set aside | rigs with another set aside |")
-    print("|---|---|---|---|")
-    late(RIGS)
+    rows = [predicted(kind, RIGS) for kind in ("two webcams", "two fisheyes", "three, mixed")]
+    rows.append(predicted("eight in a ring", max(RIGS // 4, 1)))
+    print(table(["rig", "rigs", "true error, px, median", "true / predicted, rms"], rows), "\n")
+    header = ["captures", "moments, median", "95 %", "stuck", "true error, px, median", "95 %"]
+    print(table(header, [closed_loop(RIGS)]), "\n")
+    header = ["good moments", "rigs with a late one", "set aside", "rigs with another set aside"]
+    print(table(header, [late(RIGS, moments) for moments in (4, 6, 8)]))
 
 
 if __name__ == "__main__":

@@ -2,8 +2,13 @@
 
 import statistics
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+
+import cv2
+
+from tests.bench import document
 
 
 @dataclass(frozen=True)
@@ -16,25 +21,28 @@ class Row:
     unit: str
     note: str = ""
 
-    @property
-    def verdict(self) -> str:
+    def cells(self) -> list[str]:
+        measured = f"{self.measured:.3g} {self.unit}"
         if self.budget is None:
-            return ""
-        return "ok" if self.measured <= self.budget else "OVER"
+            return [self.what, measured, "", "", self.note]
+        verdict = "ok" if self.measured <= self.budget else "OVER"
+        return [self.what, measured, f"{self.budget:g} {self.unit}", verdict, self.note]
 
 
-def p50(action: Callable[[], object], repeat: int = 30, warm: int = 3) -> float:
-    """Median wall time of `action` in ms, after `warm` runs that do not count."""
-    return statistics.median(samples(action, repeat, warm))
+def render(rows: Iterable[Row]) -> str:
+    return document.table(["what", "measured", "budget", "", "note"], [row.cells() for row in rows])
 
 
-def ratio(
-    ours: Callable[[], object], peer: Callable[[], object], repeat: int = 15
-) -> tuple[float, float, float]:
-    """Time of `ours` over time of `peer`, run in turn so that both meet the same machine: (ratio, ms, ms)."""
-    pairs = [(samples(ours, 1, 1)[0], samples(peer, 1, 1)[0]) for _ in range(repeat)]
-    a, b = (statistics.median(column) for column in zip(*pairs, strict=True))
-    return a / b, a, b
+def p50(action: Callable[[], object], repeat: int = 30) -> float:
+    """Median wall time of `action` in ms, after three runs that do not count."""
+    for _ in range(3):
+        action()
+    times = []
+    for _ in range(repeat):
+        start = time.perf_counter()
+        action()
+        times.append((time.perf_counter() - start) * 1e3)
+    return statistics.median(times)
 
 
 def least_times(
@@ -52,30 +60,12 @@ def least_times(
     return mine, theirs
 
 
-def samples(action: Callable[[], object], repeat: int, warm: int) -> list[float]:
-    for _ in range(warm):
-        action()
-    times = []
-    for _ in range(repeat):
-        start = time.perf_counter()
-        action()
-        times.append((time.perf_counter() - start) * 1e3)
-    return times
-
-
-def render(rows: Iterable[Row]) -> str:
-    cells = [("what", "measured", "budget", "", "note")]
-    cells += [
-        (
-            r.what,
-            f"{r.measured:.3g} {r.unit}",
-            "" if r.budget is None else f"{r.budget:g} {r.unit}",
-            r.verdict,
-            r.note,
-        )
-        for r in rows
-    ]
-    widths = [max(len(row[i]) for row in cells) for i in range(5)]
-    lines = ["| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |" for row in cells]
-    lines.insert(1, "|" + "|".join("-" * (w + 2) for w in widths) + "|")
-    return "\n".join(lines)
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let OpenCV use one thread in the block."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)

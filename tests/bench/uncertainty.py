@@ -1,16 +1,14 @@
-"""`make bench DOCS=uncertainty`: predicted errors against those that happen; writes to docs/accuracy.md.
-
-`ONLY=noise,hands` runs a part.
-"""
+"""`make bench DOCS=uncertainty`: predicted errors against those that happen; `ONLY=noise,hands`."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from calibsolver import CalibrationError, fit, models
+from calibsolver import models
 from calibsolver.quality.systematic import probable_cause
 from infra.console import track
 from tests.bench import document
+from tests.bench.corners import try_fit
 from tests.bench.honesty import predicted, white
 from tests.helpers.solver import hands, intervals, populations, synthetic
 
@@ -46,9 +44,8 @@ def in_hands() -> str:
             rng = np.random.default_rng(count)
             for camera in synthetic.rectilinear_cameras(HANDS_CAPTURES, seed=count):
                 views = populations.views(camera, rng, 0.2, count, hand)
-                try:
-                    found = fit(views, camera.img_size, board_shape=False)
-                except CalibrationError:
+                found = try_fit(views, camera.img_size, "rectilinear")
+                if found is None:
                     continue
                 cause = probable_cause(found, views)
                 named[count].append((cause.code if cause else None) in causes)
@@ -56,12 +53,9 @@ def in_hands() -> str:
                 ours.append(np.sqrt(square / predicted(found, np.asarray(found.covariance))))
                 plain.append(np.sqrt(square / predicted(found, white(found))))
         shares = ", ".join(f"{np.mean(each):.0%}" for each in named.values())
-        for covariance, ratios, told in (
-            ("calibDB", np.array(ours), shares),
-            ("white noise", np.array(plain), ""),
-        ):
-            share = f"{np.mean(ratios > 2):.0%}"
-            rows.append([name, covariance, str(len(ratios)), f"{np.median(ratios):.2f}", share, told])
+        for covariance, ratios, told in (("calibDB", ours, shares), ("white noise", plain, "")):
+            above = f"{np.mean(np.array(ratios) > 2):.0%}"
+            rows.append([name, covariance, str(len(ratios)), f"{np.median(ratios):.2f}", above, told])
     views_of = ", ".join(map(str, HANDS_VIEWS))
     header = ["hand", "covariance", "captures", "error / predicted, median", "above 2"]
     return document.table([*header, f"cause named, of {views_of} views"], rows)
@@ -89,16 +83,8 @@ def noise() -> str:
                     str(found.failed),
                 ]
             )
-    header = [
-        "model",
-        "views",
-        "actual / predicted projection error, rms",
-        "95th percentile",
-        "coverage of 95 % intervals",
-        "by parameter",
-        "out-of-domain corner",
-        "failed",
-    ]
+    header = ["model", "views", "actual / predicted projection error, rms", "95th percentile"]
+    header += ["coverage of 95 % intervals", "by parameter", "out-of-domain corner", "failed"]
     return document.table(header, rows)
 
 

@@ -25,9 +25,9 @@ class Usage:
     Attributes
     ----------
     requests, sent
-        Through the gateway; bytes of their answers.
-    invocations, seconds, gb_seconds
-        Sums of all functions: invocations, processor time here without storage, and billed GB-seconds.
+        Through the gateway; bytes of their responses.
+    invocations, gb_seconds
+        Of all functions; billed GB-seconds.
     memory, solver_memory
         Memory of all invocations, GB: of functions without and with the solver.
     reads, writes
@@ -35,13 +35,12 @@ class Usage:
     puts, gets, kept
         S3's requests; bytes of what lasts.
     waits
-        Waiting time by service.
+        Requests to services, and GB of the function that waits for each.
     """
 
     requests: int = 0
     sent: int = 0
     invocations: int = 0
-    seconds: float = 0.0
     gb_seconds: float = 0.0
     memory: float = 0.0
     solver_memory: float = 0.0
@@ -50,7 +49,7 @@ class Usage:
     puts: int = 0
     gets: int = 0
     kept: int = 0
-    waits: list[tuple[str, float]] = field(default_factory=list)  # service, GB of who waits
+    waits: list[tuple[str, float]] = field(default_factory=list)
 
 
 def price(use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
@@ -84,16 +83,10 @@ def price_preflights(lookups: float, memory: float, prices: Mapping[str, Any]) -
     `memory`: GB of the function.
     """
     assumed = prices["assumed"]
-    return float(
-        lookups
-        * assumed["preflights"]
-        * (
-            prices["http_api_request"]
-            + prices["lambda_request"]
-            + assumed["preflight_seconds"] * memory * prices["lambda_gb_second"]
-            + (assumed["access_log_bytes"] + assumed["log_event_bytes"]) / _GB * prices["log_gb"]
-        )
-    )
+    each = prices["http_api_request"] + prices["lambda_request"]
+    each += assumed["preflight_seconds"] * memory * prices["lambda_gb_second"]
+    each += (assumed["access_log_bytes"] + assumed["log_event_bytes"]) / _GB * prices["log_gb"]
+    return float(lookups * assumed["preflights"] * each)
 
 
 def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, Any]) -> tuple[float, float]:
@@ -105,43 +98,39 @@ def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, 
     return sum(parts.values()) - parts["transfer"] + hit_price, hit_price
 
 
-def read_units(answer: int, *, consistent: bool) -> float:
-    """Compute the read units of an answer of so many bytes.
+def read_units(size: int, *, consistent: bool) -> float:
+    """Read units of a response of so many bytes.
 
     Source: Amazon DynamoDB developer guide, "Read and write operations".
     """
-    return max(1, math.ceil(answer / 4096)) * (1.0 if consistent else 0.5)
+    return max(1, math.ceil(size / 4096)) * (1.0 if consistent else 0.5)
 
 
-def write_units(item: int, *, together: bool) -> float:
-    """Compute the write units of an item of so many bytes; `together`: in a transaction."""
-    return max(1, math.ceil(item / 1024)) * (2.0 if together else 1.0)
+def write_units(size: int, *, together: bool) -> float:
+    """Write units of an item of so many bytes; `together`: in a transaction."""
+    return max(1, math.ceil(size / 1024)) * (2.0 if together else 1.0)
+
+
+def custom_metrics() -> list[str]:
+    """Metrics that functions publish; those that are also counted by reason, once for each."""
+    reasons = [reason for reason in get_args(Refusal) if reason not in metrics.RARE]
+    return [*metrics.UNITS, *(f"{name} {reason}" for name in metrics.REASONED for reason in reasons)]
+
+
+def firewall(prices: Mapping[str, Any]) -> float:
+    """Price a month of the firewall, without any request, USD."""
+    (acl,) = of_type(complete_template()["Resources"], "AWS::WAFv2::WebACL").values()
+    return float(prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"])
+
+
+def of_type(resources: Mapping[str, Any], kind: str) -> dict[str, Any]:
+    """Properties of the resources of a type, by name."""
+    return {name: r["Properties"] for name, r in resources.items() if r["Type"] == kind}
 
 
 def fixed_costs(prices: Mapping[str, Any]) -> dict[str, float]:
     """Price a month with the default parameters, without any request or the firewall, USD."""
     return {what: usd for what, usd in _items(prices) if usd > 0}
-
-
-def custom_metrics() -> list[str]:
-    """List the metrics that functions publish; those that are also counted by reason once for each."""
-    reasoned = [
-        f"{name} {reason}"
-        for name in metrics.REASONED
-        for reason in get_args(Refusal)
-        if reason not in metrics.RARE
-    ]
-    return [*metrics.UNITS, *reasoned]
-
-
-def firewall(prices: Mapping[str, Any]) -> float:
-    """Price a month of the firewall, without any request."""
-    (acl,) = (
-        resource["Properties"]
-        for resource in complete_template()["Resources"].values()
-        if resource["Type"] == "AWS::WAFv2::WebACL"
-    )
-    return float(prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"])
 
 
 def _items(prices: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
@@ -150,43 +139,26 @@ def _items(prices: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     if template["Parameters"]["Canary"]["Default"] == "off":
         resources = {name: each for name, each in resources.items() if each.get("Condition") != "CanaryOn"}
     assumed = prices["assumed"]
-
-    def of_type(kind: str) -> dict[str, Any]:
-        return {name: r["Properties"] for name, r in resources.items() if r["Type"] == kind}
-
-    dashboards = of_type("AWS::CloudWatch::Dashboard")
-    yield "dashboard", len(dashboards) * prices["dashboard_month"]
-    alarms = of_type("AWS::CloudWatch::Alarm")
-    for name, alarm in alarms.items():
+    yield "dashboard", len(of_type(resources, "AWS::CloudWatch::Dashboard")) * prices["dashboard_month"]
+    for name, alarm in of_type(resources, "AWS::CloudWatch::Alarm").items():
         watched = sum("MetricStat" in metric for metric in alarm.get("Metrics", [])) or 1
         yield name, watched * prices["alarm_metric_month"]
     published = len(custom_metrics())
     yield f"{published} metrics", published * prices["metric_month"]
-    for api in of_type("AWS::Serverless::HttpApi").values():
-        routes = sum(
-            len(function.get("Events", {})) for function in of_type("AWS::Serverless::Function").values()
-        )
-        detailed = api["DefaultRouteSettings"].get("DetailedMetricsEnabled", False)
-        usd = routes * _METRICS_OF_A_ROUTE * prices["metric_month"] if detailed else 0.0
-        yield "metrics of routes", usd
-    for table in of_type("AWS::DynamoDB::Table").values():
+    functions = of_type(resources, "AWS::Serverless::Function").values()
+    events = [event for function in functions for event in function.get("Events", {}).values()]
+    for api in of_type(resources, "AWS::Serverless::HttpApi").values():
+        if api["DefaultRouteSettings"].get("DetailedMetricsEnabled", False):
+            yield "metrics of routes", len(events) * _METRICS_OF_A_ROUTE * prices["metric_month"]
+    for table in of_type(resources, "AWS::DynamoDB::Table").values():
         recovery = table["PointInTimeRecoverySpecification"]["PointInTimeRecoveryEnabled"]
         gb = prices["dynamodb_gb_month"] + recovery * prices["dynamodb_recovery_gb_month"]
         yield "index and its recovery", assumed["table_gb"] * gb
     read = assumed["hours"] * assumed["refreshes"] * assumed["secrets"]
     yield "secrets", read * prices["kms_request"]
-    for function in of_type("AWS::Serverless::Function").values():
-        for event in function.get("Events", {}).values():
-            if event["Type"] == "SQS":
-                usd = assumed["polls"] * prices["sqs_request"]
-                yield "polling", usd
+    if any(event["Type"] == "SQS" for event in events):
+        yield "polling", assumed["polls"] * prices["sqs_request"]
     if "Probe" in resources:
-        once = (
-            prices["event"]
-            + prices["lambda_request"]
-            + assumed["probe_gb_seconds"] * prices["lambda_gb_second"]
-            + prices["cloudfront_request"] * 2
-            + prices["http_api_request"]
-            + 1.5 * prices["lambda_request"]
-        )
+        once = prices["event"] + prices["http_api_request"] + 2 * prices["cloudfront_request"]
+        once += 2.5 * prices["lambda_request"] + assumed["probe_gb_seconds"] * prices["lambda_gb_second"]
         yield "probe", assumed["probes"] * once

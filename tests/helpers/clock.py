@@ -1,11 +1,11 @@
-"""A clock in a test's hands."""
+"""A clock for tests."""
 
 from dataclasses import dataclass
 
 
 @dataclass
 class Clock:
-    """Clock that stands until it is turned: no hour or day begins within a test, nor its counters."""
+    """Clock that stands until a test sets it."""
 
     now: float = 1_700_000_000.0
 

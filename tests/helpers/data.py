@@ -1,7 +1,6 @@
-"""Real data of the tests: corner sets that are committed, and what CALIBDB_DATA adds.
+"""Real data of the tests: corner sets in `tests/data/corners`, and data under other licences.
 
-The committed sets are in `tests/data/corners`. Data under other licences is read from the folder that the
-environment variable CALIBDB_DATA names; without it the tests on that data are not collected.
+The environment variable CALIBDB_DATA names the folder of the latter.
 """
 
 import json
@@ -25,19 +24,17 @@ external_data = pytest.mark.external_data
 
 
 def data_dir() -> Path:
-    """Folder of CALIBDB_DATA. Raises FileNotFoundError where it is unset or names no folder."""
+    """Folder of CALIBDB_DATA. Raises FileNotFoundError if it is unset or does not exist."""
     if EXTERNAL is None or not EXTERNAL.is_dir():
         raise FileNotFoundError(f"no data at {EXTERNAL}: set CALIBDB_DATA")
     return EXTERNAL
 
 
 def is_committed(name: str) -> bool:
-    """True if a corner set belongs to this repository."""
     return (COMMITTED / f"{name}.json").exists()
 
 
 def available(names: Iterable[str]) -> list[str]:
-    """Those corner sets, in their order, that are committed or that CALIBDB_DATA adds."""
     return [name for name in names if EXTERNAL is not None or is_committed(name)]
 
 
@@ -65,7 +62,7 @@ def corner_views(name: str) -> tuple[list[View], tuple[int, int]]:
 
 
 def on_board(views: Sequence[View]) -> tuple[Board, tuple[tuple[int, ...], ...], tuple[View, ...]]:
-    """Board that views of a set show, and for each view the ids of its corners and the view with these."""
+    """Board that views of a set show, and for each view the ids of its corners and the view on that board."""
     numbered = grid(views)
     board = Board(numbered.squares, dictionary="DICT_4X4_1000")
     pairs = zip(numbered.ids, views, strict=True)
@@ -73,7 +70,6 @@ def on_board(views: Sequence[View]) -> tuple[Board, tuple[tuple[int, ...], ...],
 
 
 def float32(views: Sequence[View]) -> tuple[list[Any], list[Any]]:
-    """Points of boards and images as `cv2.calibrateCamera` takes them."""
     return (
         [view.object_points.astype(np.float32) for view in views],
         [view.image_points.astype(np.float32) for view in views],

@@ -2,12 +2,11 @@
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
 from textwrap import dedent
 
 from infra.web_build.docs.catalog import ENTRIES
+from tests.helpers.data import ROOT
 
-ROOT = Path(__file__).parents[2]
 _FENCE = re.compile(r"^( *)```(\S+)([^\n]*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
 SITE = "http://127.0.0.1:8000"
 #: languages of code; other blocks are answers, formats and addresses
@@ -16,8 +15,6 @@ CODE = ("sh", "js", "html", "python")
 
 @dataclass(frozen=True)
 class Block:
-    """One block of code, and the line on which it begins."""
-
     source: str
     line: int
     language: str
@@ -26,17 +23,16 @@ class Block:
 
     @property
     def reason(self) -> str | None:
-        """Reason why it is not run, None where it is."""
+        """Reason why it is not run; None if it is."""
         return self.mark.removeprefix("not-run:").strip() if self.mark.startswith("not-run") else None
 
 
 def sources() -> list[str]:
-    """Paths of all documents that the site shows, and of the README."""
+    """Paths of the site's documents and of the README."""
     return [*(entry.source for entry in ENTRIES if entry.source), "README.md"]
 
 
 def blocks(source: str) -> list[Block]:
-    """All blocks of code of a document."""
     text = (ROOT / source).read_text()
     return [
         Block(source, text[: match.start()].count("\n") + 1, match[2], match[3].strip(), dedent(match[4]))

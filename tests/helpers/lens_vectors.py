@@ -1,11 +1,8 @@
 """Shared test vectors `tests/data/lens_vectors.json`: 400 random cameras, their rays and pixels.
 
-    python -m tests.helpers.lens_vectors
-
-The solver writes them. The solver, the lookup's plain projection, the Python client and the SDK are tested
-against this one file: values, and where there is none. A record is a camera: its model, `k` (fx fy cx cy and
-the distortion), rays with their pixels (null outside the valid domain), pixels that a ray of the domain meets
-(`seen`), and pixels that none does (`missed`).
+`python -m tests.helpers.lens_vectors` writes them by the solver. A record is a camera: its model, `k` (fx fy
+cx cy and the distortion), rays with their pixels (null outside the valid domain), pixels that a ray of the
+domain meets (`seen`), and pixels that none does (`missed`).
 """
 
 from __future__ import annotations
@@ -34,15 +31,14 @@ EXAMPLE = (
 
 
 def recorded() -> list[dict[str, Any]]:
-    """Return the records of the file."""
     records: list[dict[str, Any]] = json.loads(LENS_VECTORS_PATH.read_text())
     return records
 
 
 def assert_agrees(lens_of: Callable[[str, NDArray[np.float64]], Any]) -> None:
-    """Assert that lenses with `project` and `unproject` give what the file has: to 1e-9 px, and NaN for NaN.
+    """Assert that lenses with `project` and `unproject` agree with the file: to 1e-9 px, and NaN for NaN.
 
-    `lens_of` makes one of a model's name and its intrinsics. A ray of the valid domain is known by its pixel.
+    `lens_of` makes one of a model's name and its intrinsics.
     """
     count = 0
     for record in recorded():
@@ -60,7 +56,6 @@ def assert_agrees(lens_of: Callable[[str, NDArray[np.float64]], Any]) -> None:
 
 
 def vectors() -> list[dict[str, Any]]:
-    """Return one record per camera."""
     rng = np.random.default_rng(30)
     model, k, ray = EXAMPLE
     records = [_record(model, k, np.array([ray, [0.4, -0.2, 1.0], [0.0, 0.0, 0.0]]), rng)]

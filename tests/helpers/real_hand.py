@@ -1,11 +1,10 @@
 """A camera and a hand like real ones: 15 frames/s of a board of bent paper that is never quite still.
 
-The sensor has noise and reads its rows one after the other while the board moves. The picture is blurred by
-motion and comes as JPEG. The person follows the drawn outline after a reaction time, misses it, and tries
-again if no view is taken.
+Pictures have noise, rolling shutter, motion blur and JPEG. The person follows the drawn outline after a
+reaction time, misses it, and tries again if no view is taken.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import cv2
@@ -24,32 +23,13 @@ MAX_SHARP_PX = 0.5
 """Motion during the exposure that blurs nothing."""
 PATIENCE_S = 2.5
 """Time held at a place before it is tried again."""
-
-
-@dataclass(frozen=True)
-class Habits:
-    """Habits of a person, and the state of the board.
-
-    Attributes
-    ----------
-    off_degrees, off_share
-        Standard deviation by which a pose is missed: per axis, and of the distance.
-    tremor_mm, tremor_degrees, drift_mm_s, drift_degrees_s
-        Amplitude of the tremor at 7 to 11 Hz, and velocity of the drift, root mean square.
-    bend_mm
-        Height of the middle of the board over its edges.
-    follows
-        False: holds the board anywhere, for PATIENCE_S each.
-    """
-
-    off_degrees: float = 5.0
-    off_share: float = 0.05
-    tremor_mm: float = 0.3
-    tremor_degrees: float = 0.1
-    drift_mm_s: float = 2.0
-    drift_degrees_s: float = 0.3
-    bend_mm: float = 1.0
-    follows: bool = True
+OFF_DEGREES, OFF_SHARE = 5.0, 0.05
+"""Standard deviation by which a pose is missed: per axis, and of the distance."""
+TREMOR = np.repeat([np.radians(0.1), 0.3 / SQUARE_MM], 3)
+"""Amplitude at 7 to 11 Hz, of rotations (rad) and places (squares)."""
+DRIFT = np.repeat([np.radians(0.3), 2.0 / SQUARE_MM], 3)
+"""Velocity per second, root mean square."""
+NOISE, JPEG_QUALITY = 2.0, 85
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,24 +40,24 @@ class Pose:
     place: np.ndarray
 
     def moved(self, turn: np.ndarray, shift: np.ndarray) -> "Pose":
-        """Pose after a small turn (3,) rad and a shift (3,)."""
+        """Pose after a turn (3,) rad and a shift (3,)."""
         return Pose(cv2.Rodrigues(turn)[0] @ self.rotation, self.place + shift)
 
     def towards(self, other: "Pose", share: float) -> "Pose":
-        """Pose on the way to another."""
         turn = cv2.Rodrigues(other.rotation @ self.rotation.T)[0].ravel()
         return self.moved(share * turn, share * (other.place - self.place))
 
 
 @dataclass
 class RealCamera(BoardCamera):
-    """Source of pictures (h, w) of a board in a hand, and the `Feedback`."""
+    """Source of pictures (h, w) of a board in a hand, and `Feedback`.
+
+    `bend_mm`: height of the board's middle over its edges. `follows`: False holds the board anywhere.
+    """
 
     frame_s = 1 / 15
-    habits: Habits = field(default_factory=Habits)
-    noise: float = 2.0
-    jpeg_quality: int = 85
-    views: int = 0
+    bend_mm: float = 1.0
+    follows: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,26 +65,21 @@ class RealCamera(BoardCamera):
         self.bend_axis = self.rng.uniform(0, np.pi)
         self.drift = np.zeros(6)
         w, h = self.size
-        self.grain = [self.rng.normal(0, self.noise, (h, w)).astype(np.float32) for _ in range(7)]
+        self.grain = [self.rng.normal(0, NOISE, (h, w)).astype(np.float32) for _ in range(7)]
         start = Pose(np.eye(3), np.array([0, 0, 1.4 * max(self.board.size)]))
         self.begin, self.goal, self.leaves_at, self.arrives_at = start, start, 0.0, 0.0
         self.target: Target | None = None
 
     def read(self) -> tuple[bool, np.ndarray]:
-        """Move for the time of a frame, and look."""
         self.frames += 1
-        h = self.habits
-        scale = np.repeat([np.radians(h.drift_degrees_s), h.drift_mm_s / SQUARE_MM], 3)
-        velocity = scale * self.rng.normal(size=6)
+        velocity = DRIFT * self.rng.normal(size=6)
         self.drift = 0.98 * self.drift + velocity * self.frame_s
-        if not h.follows and self.clock() > self.arrives_at + PATIENCE_S:
+        if not self.follows and self.clock() > self.arrives_at + PATIENCE_S:
             self.leave(self.anywhere())
         return True, self.picture()
 
-    # ---- the person
     def show(self, scene: Scene) -> str:
-        """Follow the outline."""
-        if not self.habits.follows:
+        if not self.follows:
             return ""
         is_new = self.target is not scene.target
         if is_new or self.clock() > self.arrives_at + PATIENCE_S:
@@ -113,14 +88,13 @@ class RealCamera(BoardCamera):
         return ""
 
     def leave(self, goal: Pose, after: float = 0.0) -> None:
-        """Leave for another pose, at the speed of a hand."""
         self.begin, self.goal = self.held(self.clock()), goal
         self.leaves_at = self.clock() + after
         way_mm = SQUARE_MM * float(np.linalg.norm(goal.place - self.begin.place))
         self.arrives_at = self.leaves_at + float(np.clip(way_mm / 250, 0.6, 1.8))
 
     def matched(self, target: Target) -> Pose:
-        """Pose in which the board looks like the drawing, whatever camera that was drawn for."""
+        """Pose in which the board looks like the drawing."""
         columns = self.board.squares[0] - 1
         row, column = np.divmod(np.array(target.ids), columns)
         points = np.stack([column + 1.0, row + 1.0, np.zeros(len(row))], axis=1)
@@ -129,37 +103,31 @@ class RealCamera(BoardCamera):
         return Pose(rotation, rotation @ self.middle + tvec.ravel())
 
     def missed(self, pose: Pose) -> Pose:
-        """Pose that a hand finds instead."""
-        turn = np.radians(self.habits.off_degrees) * self.rng.normal(size=3)
-        shift = self.habits.off_share * np.linalg.norm(pose.place) * self.rng.normal(size=3)
+        turn = np.radians(OFF_DEGREES) * self.rng.normal(size=3)
+        shift = OFF_SHARE * np.linalg.norm(pose.place) * self.rng.normal(size=3)
         return pose.moved(turn, shift)
 
     def anywhere(self) -> Pose:
-        """Some pose before the camera."""
         depth = self.rng.uniform(1.1, 1.8) * max(self.board.size)
         place = np.array([self.rng.uniform(-0.3, 0.3) * depth, self.rng.uniform(-0.2, 0.2) * depth, depth])
         return Pose(cv2.Rodrigues(np.radians(25) * self.rng.normal(size=3))[0], place)
 
     def held(self, time: float) -> Pose:
-        """Pose at some time, by a movement of least jerk."""
+        """Pose by a movement of least jerk."""
         s = np.clip((time - self.leaves_at) / max(self.arrives_at - self.leaves_at, 1e-9), 0, 1)
         pose = self.begin.towards(self.goal, s**3 * (10 - 15 * s + 6 * s * s))
-        h = self.habits
-        scale = np.repeat([np.radians(h.tremor_degrees), h.tremor_mm / SQUARE_MM], 3)
-        move = self.drift + scale * np.sin(2 * np.pi * self.rates * time + self.phases)
+        move = self.drift + TREMOR * np.sin(2 * np.pi * self.rates * time + self.phases)
         return pose.moved(move[:3], move[3:])
 
     def taken(self, status: Status) -> None:
-        """Count."""
-        self.views = status.views
+        pass
 
     def note(self, text: str) -> None:
-        """Ignore it."""
+        pass
 
     def close(self) -> None:
-        """Nothing is open."""
+        pass
 
-    # ---- the picture
     @cached_property
     def rays(self) -> np.ndarray:
         """Rays (h, w, 3) of every COARSE_PX-th pixel, and of one more beyond the edge."""
@@ -170,14 +138,13 @@ class RealCamera(BoardCamera):
         return np.concatenate([flat.reshape(*x.shape, 2), np.ones((*x.shape, 1))], axis=-1)
 
     def picture(self) -> np.ndarray:
-        """Picture (h, w), 8 bits, at this time."""
         time = self.clock()
         shift = self.held(time + EXPOSURE_S / 2).place - self.held(time - EXPOSURE_S / 2).place
         is_sharp = self.fx * np.linalg.norm(shift) / self.held(time).place[2] < MAX_SHARP_PX
         parts = (0.0,) if is_sharp else (-0.33, 0.0, 0.33)
         seen = sum(self.exposed(time + part * EXPOSURE_S) / len(parts) for part in parts)
         grey = cv2.add(seen, self.grain[self.frames % len(self.grain)], dtype=cv2.CV_8U)
-        _, jpeg = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg_quality])
+        _, jpeg = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
         return cv2.imdecode(jpeg, cv2.IMREAD_GRAYSCALE)
 
     def exposed(self, time: float) -> np.ndarray:
@@ -208,11 +175,10 @@ class RealCamera(BoardCamera):
         half = max(self.board.size) / 2
         axis = np.array([np.cos(self.bend_axis), np.sin(self.bend_axis)])
         across = np.clip((point - self.middle[:2]) @ axis / half, -1, 1)
-        return self.habits.bend_mm / SQUARE_MM * (1 - across**2)
+        return self.bend_mm / SQUARE_MM * (1 - across**2)
 
 
 def enlarged(coarse: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Values at every pixel of those at every COARSE_PX-th, the first in place."""
     w, h = size
     down = np.array([[1 / COARSE_PX, 0, 0], [0, 1 / COARSE_PX, 0]])
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP

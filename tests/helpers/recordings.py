@@ -14,7 +14,6 @@ from tests.helpers.data import corner_views
 
 @functools.cache
 def recording_of(name: str, camera: str = "Test camera") -> Recording:
-    """Return the recording of a corner set, as of a chessboard."""
     views, size = corner_views(name)
     numbered = grid(views)
     recorded = tuple(
@@ -32,7 +31,6 @@ def without_suggestion(recording: Recording, model: str) -> tuple[str, str | Non
 
 @functools.cache
 def calibration_of(name: str) -> CaptureResult:
-    """Calibrate a corner set with the rectilinear model, without a search for a better one."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(offline, "chosen_model", without_suggestion)
         return offline.calibrate_recording(recording_of(name), "rectilinear")

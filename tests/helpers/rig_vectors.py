@@ -1,9 +1,7 @@
 """Test vectors tests/web/rigs.json: pairs of cameras of every model, and how the solver rectifies them.
 
-    python -m tests.helpers.rig_vectors
-
-The SDK rectifies pairs itself; its tests compare with these. The first pair is that of OpenCV's samples,
-fitted to its corners.
+`python -m tests.helpers.rig_vectors` writes them for the tests of the SDK. The first pair is that of OpenCV's
+samples, fitted to its corners.
 """
 
 from __future__ import annotations
@@ -11,16 +9,16 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from calibsolver import Camera, View, rig
+from calibsolver import Camera, rig
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
+from tests.helpers.data import ROOT
+from tests.helpers.solver.rigs import REAL_SIZE, real_pairs
 
-ROOT = Path(__file__).parents[2]
 RIGS_PATH = ROOT / "tests" / "web" / "rigs.json"
 SIZE = (1280, 720)
 # Some bend inwards, some outwards, some not at all; of the wide models one sees beyond 90 degrees.
@@ -44,8 +42,6 @@ LENSES: dict[str, list[tuple[float, list[float]]]] = {
         (450.0, [0.6, 0.03, -0.005, -0.0004, 0.0005]),
     ],
 }
-CORNERS = ROOT / "tests" / "data" / "corners"
-REAL_SIZE = (640, 480)
 # left camera -> right camera: side by side, one above the other, the right one on the left, far turned
 POSES = (
     (0.01, -0.02, 0.005, -0.12, 0.002, 0.001),
@@ -57,7 +53,7 @@ POSES = (
 
 
 def pairs() -> list[dict[str, Any]]:
-    """Return one record a pair: both cameras, the pose between them, and their rectification."""
+    """One record per pair: both cameras, the pose between them, and their rectification."""
     models = list(LENSES)
     cameras = {model: _camera(model, *LENSES[model][0]) for model in models}
     synthetic = [
@@ -70,7 +66,7 @@ def pairs() -> list[dict[str, Any]]:
 
 
 def pair_record(left: Camera, right: Camera, pose: Sequence[float]) -> dict[str, Any]:
-    """Rectify a pair; `pose` is rvec|tvec, left camera -> right camera."""
+    """`pose`: rvec|tvec, left camera -> right camera."""
     rectification = rectify(left, right, RigidMotion.of_vector(np.asarray(pose)))
     return {
         "left": _record(left),
@@ -100,15 +96,7 @@ def _record(camera: Camera) -> dict[str, Any]:
 
 
 def _real() -> tuple[Camera, Camera, list[float]]:
-    """Fit OpenCV's pair: all views of which both cameras have one."""
-    sides = []
-    for name in ("opencv_left", "opencv_right"):
-        data = json.loads((CORNERS / f"{name}.json").read_text())
-        board = np.array([[x, y, 0.0] for x, y in data["board"]])
-        sides.append({view["file"][-6:-4]: View(board, np.array(view["img"])) for view in data["views"]})
-    numbers = sorted(set(sides[0]) & set(sides[1]))
-    moments = [{i: side[number] for i, side in enumerate(sides)} for number in numbers]
-    calibration = rig.fit(moments, [(REAL_SIZE, "rectilinear")] * 2)
+    calibration = rig.fit(real_pairs(), [(REAL_SIZE, "rectilinear")] * 2)
     return calibration.cameras[0], calibration.cameras[1], calibration.poses[1].tolist()
 
 

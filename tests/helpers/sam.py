@@ -14,20 +14,18 @@ ROOT = Path(__file__).parents[2]
 
 @cache
 def complete() -> dict[str, Any]:
-    """The template with everything that packaging puts into it; callers must not change it."""
+    """Template as packaged; callers must not change it."""
     return package.complete_template()
 
 
 @cache
 def resources() -> dict[str, Any]:
-    """Resources of the complete template; nobody may change them."""
+    """Resources of the complete template; callers must not change them."""
     found: dict[str, Any] = complete()["Resources"]
     return found
 
 
 class ManagedPolicies:
-    """The translator asks for the account's managed policies; we use none of them by name."""
-
     def load(self) -> dict[str, str]:
         return {
             "AWSLambdaBasicExecutionRole": "arn:aws:iam::aws:policy/service-role/AWSLambdaBasicExecutionRole"
@@ -35,7 +33,7 @@ class ManagedPolicies:
 
 
 def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None) -> dict[str, Any]:
-    """Code and layers stand in a bucket, as `sam package` leaves them."""
+    """Transform a template whose code and layers are in a bucket, as `sam package` leaves them."""
     from samtranslator.translator.transform import transform
 
     packaged = json.loads(json.dumps(source))
@@ -52,16 +50,13 @@ def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None)
 
 @cache
 def created() -> dict[str, Any]:
-    """Create the resources of the complete template, traced ones too; tests only read them."""
+    """Resources of the complete template after the transform; callers must not change them."""
     found: dict[str, Any] = as_created(complete(), {"Tracing": "Active"})["Resources"]
     return found
 
 
 def without_events(source: dict[str, Any]) -> dict[str, Any]:
-    """The template less what calls its functions, of which the transform makes routes and no versions.
-
-    It takes nine tenths of the transform's time.
-    """
+    """Template without events, which take nine tenths of the transform's time."""
     left: dict[str, Any] = json.loads(json.dumps(source))
     for resource in left["Resources"].values():
         resource.get("Properties", {}).pop("Events", None)
@@ -69,7 +64,6 @@ def without_events(source: dict[str, Any]) -> dict[str, Any]:
 
 
 def versions(template: dict[str, Any]) -> dict[str, str]:
-    """Function -> logical id of the version that its alias points to."""
     return {
         resource["Properties"]["FunctionName"]["Ref"]: name
         for name, resource in template["Resources"].items()

@@ -1,4 +1,4 @@
-"""Calibrations of recorded synthetic views over HTTP, where a guided capture would add nothing but time."""
+"""Calibrations of recorded synthetic views over HTTP, which take less time than guided captures."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from .truth import Truth
 from .waiting import TIMEOUT_S
 
 NOISE = 0.05  # px; what the page's detector has
-#: Poses of the board in the recorded views: rotation, degrees; its middle, from the image's middle, and its
-#: width, in parts of the image. They determine a lens as well as guided ones.
+#: rotation of the board, degrees; its middle, from the image's middle, and its width, in parts of the image
 HELD = (
     ((25, 10, 0), (0, 0), 0.9),
     ((-30, 25, 5), (-0.27, -0.2), 0.75),
@@ -72,9 +71,9 @@ def capture(api: httpx.Client, truth: Truth, key: dict[str, Any], seed: int) -> 
     return state
 
 
-def agreed(api: httpx.Client, key: dict[str, Any], model: str = "rectilinear") -> dict[str, Any]:
-    """Wait for what all calibrations of a camera agree on: it is computed apart from their requests."""
-    wanted = key | {"distortion_model": model, "redirect": False}
+def agreed(api: httpx.Client, key: dict[str, Any]) -> dict[str, Any]:
+    """Wait for the consensus of a camera."""
+    wanted = key | {"distortion_model": "rectilinear", "redirect": False}
 
     def found() -> dict[str, Any] | None:
         answer = api.post("/lookup", json=wanted)
@@ -86,14 +85,14 @@ def agreed(api: httpx.Client, key: dict[str, Any], model: str = "rectilinear") -
 
 
 def calibrated(api: httpx.Client, truth: Truth, key: dict[str, Any]) -> dict[str, Any]:
-    """Calibrate a camera five times; return what the calibrations agree on."""
+    """Calibrate a camera five times; return the consensus."""
     for seed in range(5):
         capture(api, truth, key, seed)
     return agreed(api, key)
 
 
 def listed(api: httpx.Client, words: str) -> None:
-    """Wait until a camera of a name is listed with what is known of it: pages keep what they get."""
+    """Wait until a camera is listed with its models: pages keep what they get."""
 
     def found() -> bool:
         cameras = api.get("/cameras", params={"query": words}).raise_for_status().json()["cameras"]

@@ -11,17 +11,16 @@ from typing import Any
 
 
 class Quiet(SimpleHTTPRequestHandler):
-    """Files of a folder, and the client's settings if they are others than the stack gives it."""
+    """Files of a folder, with other settings of the client, if any."""
 
     def __init__(self, *request: Any, settings: dict[str, str] | None, directory: str):
         self._settings = settings
         super().__init__(*request, directory=directory)
 
     def log_message(self, *_: object) -> None:
-        """Print nothing."""
+        pass
 
     def do_GET(self) -> None:
-        """Answer the settings, or a file."""
         if self._settings is None or self.path.partition("?")[0] != "/config.json":
             return super().do_GET()
         content = json.dumps(self._settings).encode()
@@ -35,7 +34,7 @@ class Quiet(SimpleHTTPRequestHandler):
 
 @contextmanager
 def serving(folder: Path, settings: dict[str, str] | None = None) -> Iterator[str]:
-    """Give the address of a folder, as long as it lasts."""
+    """Serve a folder in the block; yield its address."""
     handler = partial(Quiet, settings=settings, directory=str(folder))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever)

@@ -16,7 +16,7 @@ SQUARE = 80  # texture pixels
 
 
 def board_seen() -> tuple[np.ndarray, np.ndarray]:
-    """Grey picture of the default board as OpenCV draws it, tilted, and where its corners are, (40, 2)."""
+    """Grey picture of the default board as OpenCV draws it, tilted, and its corners (40, 2)."""
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
     board = cv2.aruco.CharucoBoard((9, 6), 1, 0.65, dictionary)
     texture = board.generateImage((11 * SQUARE, 8 * SQUARE), marginSize=SQUARE)
@@ -25,14 +25,7 @@ def board_seen() -> tuple[np.ndarray, np.ndarray]:
     plane = matrix @ np.column_stack([cv2.Rodrigues(rotation)[0][:, :2], translation])
     # Texture pixel → board: the origin is the edge of the first square, half a pixel before its centre.
     to_board = np.array([[1 / SQUARE, 0, 0.5 / SQUARE - 1], [0, 1 / SQUARE, 0.5 / SQUARE - 1], [0, 0, 1]])
-    picture = cv2.warpPerspective(
-        texture,
-        plane @ to_board,
-        (WIDTH, HEIGHT),
-        flags=cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_CONSTANT,
-        borderValue=120,
-    )
+    picture = cv2.warpPerspective(texture, plane @ to_board, (WIDTH, HEIGHT), borderValue=120)
     corners = np.array([(x, y, 0.0) for y in range(1, 6) for x in range(1, 9)])
     points = cv2.projectPoints(corners, rotation, translation, matrix, None)[0].reshape(-1, 2)
     return cv2.GaussianBlur(picture, (0, 0), 0.7), points

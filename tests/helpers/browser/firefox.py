@@ -1,4 +1,4 @@
-"""Firefox, as far as its driver goes: pages one after the other, and one function in each."""
+"""Firefox: pages one after the other, and one function in each."""
 
 from __future__ import annotations
 
@@ -23,17 +23,14 @@ SCRIPT = Path(__file__).with_name("firefox_pages.mjs")
 
 
 class InFirefox(Protocol):
-    """Evaluator of asynchronous JavaScript functions in pages; fails if the page complains."""
+    """Evaluator of asynchronous JavaScript functions in pages; fails if a page logs errors or warnings."""
 
     def __call__(self, address: str, function: str, before: str = "", size: Size = SMALL_WINDOW) -> Any:
-        """Result of a function in the page at an address, before whose scripts another script has run.
-
-        `size` is that of the window, px.
-        """
+        """Result of a function in the page at an address; the script `before` runs before the page's."""
 
 
 def executable(name: str) -> str:
-    """Path of a program; the test is skipped where it is not installed."""
+    """Path of a program; skips the test if it is not installed."""
     path = shutil.which(name)
     if path is None:
         pytest.skip(f"{name} is not installed")
@@ -42,18 +39,10 @@ def executable(name: str) -> str:
 
 @contextmanager
 def screen() -> Iterator[str]:
-    """Give the name of a screen that nobody else has; the server itself finds a free one."""
+    """Run Xvfb on a free screen in the block; yield its name."""
     told, tell = os.pipe()
-    command = [
-        executable("Xvfb"),
-        "-displayfd",
-        str(tell),
-        "-screen",
-        "0",
-        "1440x1080x24",
-        "-nolisten",
-        "tcp",
-    ]
+    options = f"-displayfd {tell} -screen 0 1440x1080x24 -nolisten tcp"
+    command = [executable("Xvfb"), *options.split()]
     server = subprocess.Popen(command, pass_fds=[tell], stderr=subprocess.DEVNULL)
     os.close(tell)
     try:
@@ -69,7 +58,7 @@ def screen() -> Iterator[str]:
 
 @contextmanager
 def firefox() -> Iterator[InFirefox]:
-    """Evaluate functions in one Firefox, which starts with the first of them."""
+    """Evaluate functions in one Firefox, which starts with the first one."""
     with ExitStack() as stack:
         started: list[subprocess.Popen[str]] = []
 

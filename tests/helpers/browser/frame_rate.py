@@ -1,7 +1,4 @@
-"""Frame rate, longest task and first detection of the capture page; dropped frames of the rectifier.
-
-`make bench` measures them. No test asserts them: a busy machine is not a fault of the page.
-"""
+"""Frame rate, longest task and first detection of the capture page; dropped frames of the rectifier."""
 
 from __future__ import annotations
 
@@ -38,7 +35,7 @@ RECTIFIED_AT_RATE = page_function("rectify_at_rate")
 
 @dataclass(frozen=True)
 class Pace:
-    """Of one while: detections a second; the page's longest task, ms, 0 where none took 50 ms."""
+    """Detections per second; the page's longest task, ms, 0 if none took 50 ms."""
 
     rate: float
     longest: float
@@ -54,18 +51,15 @@ def start(page: Page) -> None:
     page.locator(".corner").first.wait_for(state="attached")
 
 
-def median_pace(page: Page, windows: int = 3, ms: int = 3_000) -> Pace:
-    """Measure windows of a capture; return the median of each figure."""
+def median_pace(page: Page) -> Pace:
+    """Median of each figure over three windows of a capture, 3 s each."""
     start(page)
-    paces = [Pace(**page.evaluate(MEASURE, ms)) for _ in range(windows)]
-    return Pace(
-        rate=statistics.median(pace.rate for pace in paces),
-        longest=statistics.median(pace.longest for pace in paces),
-    )
+    paces = [page.evaluate(MEASURE, 3_000) for _ in range(3)]
+    return Pace(*(statistics.median(pace[name] for pace in paces) for name in ("rate", "longest")))
 
 
 def first_detection(page: Page) -> float:
-    """Seconds from navigation to the first frame looked at."""
+    """Seconds from navigation to the first detection."""
     page.goto("/calibrate/?virtual=1")
     page.locator(".corner").first.wait_for(state="attached")
     mark: float = page.evaluate("performance.getEntriesByName('first detection')[0].startTime")

@@ -10,11 +10,11 @@ from playwright.sync_api import Page, Request, expect
 from .truth import SMALL
 
 VIRTUAL = f"/calibrate/?{SMALL.query(seed=1)}"
-#: the same, once a visitor starts the virtual camera
+#: the same, before a visitor starts the virtual camera
 PRACTICE = VIRTUAL.replace("virtual=1&", "")
 #: not reached in the time that a test takes
 ENDLESS = f"{VIRTUAL}&target_error=0.01"
-#: in its picture; on a machine that is busy, as the plainer outline that slow devices get
+#: in the picture; on a busy machine as the plain outline for slow devices
 SHOWN_TARGET = "#stage:not(.plain) #overlay:not([hidden]), #stage.plain #target[points*=',']"
 TURN = """() => {
   const canvas = document.querySelector(".virtual-camera");
@@ -40,14 +40,14 @@ FOCUS = """
     if (focusMode === "manual") Object.assign(this.getSettings(), { focusMode, focusDistance: 0.4 });
   };
 """
-# A page that waits longer for answers, as long as the machine needs: an outage is not what is tested.
+# A page that waits longer for answers.
 PATIENT = """
   {
     const wait = window.setTimeout;
     window.setTimeout = (call, ms, ...more) => wait(call, [2_000, 5_000].includes(ms) ? 60_000 : ms, ...more);
   }
 """
-# A page whose requests end by themselves only after two minutes.
+# A page whose requests time out only after two minutes.
 ENDURING = """
   {
     const limit = AbortSignal.timeout.bind(AbortSignal);
@@ -65,7 +65,7 @@ HIDE = """(hidden) => {
   Object.defineProperty(document, "hidden", { configurable: true, get: () => hidden });
   document.dispatchEvent(new Event("visibilitychange"));
 }"""
-# Hidden in the moment in which a target is in the picture, so that it stays: a quick hand is soon there.
+# Hidden at once when a target is in the picture: a quick hand is soon there.
 HIDE_WITH_TARGET = f"""() => new Promise((done) => {{
   const stage = document.getElementById("stage");
   const observer = new MutationObserver(() => look());
@@ -87,8 +87,8 @@ STORED_VIEWS = """() => new Promise((done) => {
     asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
   };
 })"""
-# Requests say when they were made. Written down is what is to be seen: instruction, a full ring, what stands;
-# and whether that stood three seconds after a request: timers keep their order, however busy a page is.
+# Requests say when they were made. `seen`: instruction, a full ring, notice. `stood`: whether that notice was
+# there three seconds after a request: timers keep their order, however busy a page is.
 WRITTEN = """
   Object.assign(window, { seen: [], stood: [] });
   const send = window.fetch;
@@ -121,14 +121,13 @@ def _posted(page: Page, path: str, add: Callable[[Request], None]) -> None:
 
 
 def sessions(page: Page) -> list[Request]:
-    """Sessions begun by a page, as they are begun."""
+    """Requests of a page that begin sessions; the list grows."""
     begun: list[Request] = []
     _posted(page, "/v1/session", begun.append)
     return begun
 
 
 def views(page: Page) -> int:
-    """Views that are taken."""
     return int(page.locator("#counts").get_attribute("data-taken") or "0")
 
 
@@ -139,20 +138,20 @@ def wait_for_views(page: Page, count: int) -> None:
 
 
 def stop(page: Page) -> None:
-    """End a capture that has views: that is asked for twice within five seconds."""
+    """End a capture that has views: the button is pressed twice within five seconds."""
     expect(page.locator("#stop")).to_be_enabled()
     page.locator("#stop").evaluate("(button) => { button.click(); button.click(); }")
     page.locator("#welcome:not([hidden])").wait_for()
 
 
 def done(page: Page) -> None:
-    """Wait for a capture's result with its report: until that is there, it is drawn anew at any moment."""
+    """Wait for a capture's result with its report."""
     page.locator("#done:not([hidden])").wait_for()
     page.locator("#done .views li").first.wait_for(state="attached")
 
 
 def sent_views(page: Page) -> list[Any]:
-    """Corner positions of the views that a page sends, as they are sent."""
+    """Corner positions of the views that a page sends; the list grows."""
     sent: list[Any] = []
     _posted(page, "/session/views", lambda view: sent.append(json.loads(view.post_data or "")["points"]))
     return sent

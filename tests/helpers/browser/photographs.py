@@ -1,4 +1,4 @@
-"""Photographs of a board by a known camera, drawn: what a camera saw needs no camera and no licence."""
+"""Drawn photographs of a board by a known camera."""
 
 from __future__ import annotations
 
@@ -24,9 +24,8 @@ if TYPE_CHECKING:  # of the browser tests only
 
 Grey = npt.NDArray[np.uint8]
 
-#: of the photographs, as the photos page is given it; of CALIBDB_DATA's, too
+#: board of the photographs, also of those in CALIBDB_DATA
 SQUARES, MARKER_RATIO, DICTIONARY = 8, 0.75, "DICT_4X4_1000"
-#: the camera that took them
 CAMERA = Truth(fx=680.0, cx=326.0, cy=236.0, k1=-0.12, size=(640, 480))
 MAKE, MODEL = "Drawn", "Test Camera"
 BLUR, NOISE, JPEG_QUALITY = 0.8, 2.0, 92  # px, grey levels, of 100
@@ -43,7 +42,7 @@ def board_texture(squares: int, square: int, margin: int = 0) -> Grey:
 
 
 def textured_board(size: tuple[int, int]) -> Grey:
-    """Draw a turned board that fills a picture, under texture of 4 to 64 px: nothing in it is flat."""
+    """Draw a turned board that fills a picture, under texture of 4 to 64 px."""
     width, height = size
     side = width + height // 4
     square = side // 24
@@ -63,17 +62,27 @@ def _poses() -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
     rng = np.random.default_rng(2)
     middle = np.array([SQUARES / 2, SQUARES / 2, 0])
     for index in range(12):
-        azimuth = 2.4 * index
-        tilt = np.radians(rng.uniform(25, 45)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
-        rotation = cv2.Rodrigues(tilt)[0] @ cv2.Rodrigues(np.array([0, 0, rng.uniform(-0.3, 0.3)]))[0]
-        depth = rng.uniform(11, 16)
-        aside = 0.13 * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
-        yield rotation, np.array([0, 0, depth]) + aside - rotation @ middle
+        rotation = _tilted(index, 25, 45, rng)
+        yield rotation, _aside(index, 0.13, rng.uniform(11, 16)) - rotation @ middle
+
+
+def _tilted(index: int, low: float, high: float, rng: np.random.Generator) -> npt.NDArray[np.float64]:
+    """Rotation tilted by `low` to `high` degrees, to another side for each index, and turned a little."""
+    azimuth = 2.4 * index
+    tilt = np.radians(rng.uniform(low, high)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+    turned: npt.NDArray[np.float64] = cv2.Rodrigues(np.array([0, 0, rng.uniform(-0.3, 0.3)]))[0]
+    return cv2.Rodrigues(tilt)[0] @ turned
+
+
+def _aside(index: int, share: float, depth: float) -> npt.NDArray[np.float64]:
+    """Place at a depth, off the axis by about a share of it."""
+    aside = share * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
+    return aside + np.array([0, 0, depth])
 
 
 @functools.cache
 def _rays() -> npt.NDArray[np.float64]:
-    """Directions x, y, 1 of the camera's pixels at SAMPLES x SAMPLES places in each, row by row."""
+    """Directions x, y, 1 at SAMPLES x SAMPLES places in each of the camera's pixels, row by row."""
     offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
     u, v = ((np.arange(side)[:, None] + offsets).ravel() for side in CAMERA.size)
     q = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 1, 2)
@@ -89,7 +98,7 @@ def _photograph(
     translation: npt.NDArray[np.float64],
     seed: int,
 ) -> Grey:
-    """Draw a board, of a texture with a margin of a square, as the camera sees it, blurred and with noise."""
+    """Draw a board, whose texture has a margin of a square, as the camera sees it, blurred and with noise."""
     w, h = CAMERA.size
     board = _rays() @ np.linalg.inv(np.column_stack([rotation[:, :2], translation])).T
     # Texture pixels: the origin of the board is the edge of its first square.
@@ -119,12 +128,9 @@ def board_photographs(board: Board, count: int) -> Iterator[Grey]:
     middle = np.append(origin + np.array(board.size) / 2, 0)
     w, h = CAMERA.size
     for index in range(count):
-        azimuth = 2.4 * index
-        tilt = np.radians(rng.uniform(20, 40)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
-        rotation = cv2.Rodrigues(tilt)[0] @ cv2.Rodrigues(np.array([0, 0, rng.uniform(-0.3, 0.3)]))[0]
+        rotation = _tilted(index, 20, 40, rng)
         depth = rng.uniform(1.35, 1.8) * CAMERA.fx * max(board.size[0] / w, board.size[1] / h)
-        aside = 0.1 * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
-        translation = np.array([0, 0, depth]) + aside - rotation @ middle
+        translation = _aside(index, 0.1, depth) - rotation @ middle
         yield _photograph(texture, origin, rotation, translation, index)
 
 
@@ -145,7 +151,7 @@ def jpeg(picture: Grey, orientation: int = 1) -> bytes:
 
 
 def draw(folder: Path, count: int = 12) -> list[Path]:
-    """Write up to twelve photographs; every third was taken with the camera turned, as its EXIF data says."""
+    """Write up to twelve photographs; the EXIF data of every third says that the camera was turned."""
     paths = []
     for index, (rotation, translation) in enumerate(itertools.islice(_poses(), count)):
         path = folder / f"drawn-{index:02}.jpg"

@@ -1,4 +1,4 @@
-"""Pictures of pages at a desk, on a tablet and in a hand, and what is wrong with them."""
+"""Pictures of pages at a desk, on a tablet and in a hand, and their faults."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -22,7 +22,7 @@ WIDE = """() => {
   const { scrollWidth, clientWidth } = document.documentElement;
   return Math.max(0, scrollWidth - clientWidth);
 }"""
-# Laid out and drawn anew for a window of another size, and nothing moves any more that comes to an end.
+# Drawn again after a change of the window's size, and all finite animations have ended.
 SETTLED = """async () => {
   for (let frame = 0; frame < 3; frame++) await new Promise((done) => requestAnimationFrame(done));
   const passing = document.getAnimations().filter((each) => each.effect?.getTiming().iterations !== Infinity);
@@ -30,7 +30,7 @@ SETTLED = """async () => {
 }"""
 T = TypeVar("T")
 
-# What can be touched, and is smaller than a finger. A label counts for its box.
+# Targets that are smaller than a finger. A label counts for its box.
 SMALL = """([finger, inline]) => {
   const touched = document.querySelectorAll("a[href], button, select, input, summary");
   return [...touched].flatMap((element) => {
@@ -44,9 +44,9 @@ SMALL = """([finger, inline]) => {
 }"""
 
 
-def remaining(page: Page, faults: Callable[[], T], seconds: float = TIMEOUT_S) -> T:
-    """Faults of a page that are still there once changes have come to an end, or after so many seconds."""
-    end = time.monotonic() + seconds
+def remaining(page: Page, faults: Callable[[], T]) -> T:
+    """Faults of a page that remain after its changes have ended, or after TIMEOUT_S."""
+    end = time.monotonic() + TIMEOUT_S
     while (found := faults()) and time.monotonic() < end:
         page.evaluate(SETTLED)
     return found
@@ -54,7 +54,7 @@ def remaining(page: Page, faults: Callable[[], T], seconds: float = TIMEOUT_S) -
 
 def violations(page: Page, *rules: str) -> list[str]:
     """List what axe finds, by these rules or by all."""
-    # Evaluated rather than added as a script: the policy of the pages rightly refuses that.
+    # The content security policy of the pages refuses an added script.
     if not page.evaluate("'axe' in window"):
         page.evaluate(f"() => {{ {AXE.read_text()} }}")
     # Style sheets would be fetched once more for a rule that is off by default.
@@ -69,7 +69,7 @@ def violations(page: Page, *rules: str) -> list[str]:
 def picture(
     page: Page, name: str, sizes: Iterable[str] = ("desk", "hand"), *, full: bool = False, check: bool = True
 ) -> None:
-    """Hold a state to what holds for all: no sideways scrolling, axe, fingers.
+    """Assert that a page does not scroll sideways, passes axe, and has targets for fingers.
 
     In the last size only; `make thorough` does it in all sizes, and saves pictures.
     """

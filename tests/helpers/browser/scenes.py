@@ -2,7 +2,7 @@
 
 from playwright.sync_api import FilePayload, Page
 
-# A stream without a sensor behind it, which a page cannot tell from a camera's.
+# A camera without a sensor.
 CAMERA = """
   navigator.mediaDevices.getUserMedia = async () => {
     const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
@@ -14,8 +14,7 @@ CAMERA = """
     return stream;
   };
 """
-# A detector that is there at once and sees no board, for pages of which something else is tested: the real
-# one is 3 MB, loaded as soon as a page that captures is open.
+# A detector that is there at once and sees no board: the real one has 3 MB.
 BLIND_DETECTOR = """
   const Real = window.Worker;
   window.Worker = class {
@@ -34,15 +33,15 @@ BLIND_DETECTOR = """
     terminate() {}
   };
 """
-# The browser asks whether the page may have the camera, and nobody answers.
+# The visitor does not answer whether the page may use the camera.
 UNANSWERED = "navigator.mediaDevices.getUserMedia = () => new Promise(() => {});"
 
 
 def no_network(page: Page) -> None:
-    """Let no request to the service through any more."""
+    """Abort all requests to the service."""
     page.route("**/v1/**", lambda route: route.abort("internetdisconnected"))
 
 
 def unreadable(name: str, kind: str = "") -> FilePayload:
-    """Give a file that is no picture, whatever its name says."""
+    """File that is not a picture."""
     return {"name": name, "mimeType": kind, "buffer": b"no picture"}

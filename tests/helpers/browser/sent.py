@@ -11,7 +11,7 @@ SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model"
 
 
 def assert_only_keypoints(sent: Iterable[Request]) -> None:
-    """Assert that GETs, start and end of a session and corner positions leave the page, never an image."""
+    """Assert that a page sends only GETs, start and end of a session, and corner positions."""
     views = 0
     for request in sent:
         if request.method == "GET":

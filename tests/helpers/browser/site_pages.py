@@ -1,18 +1,17 @@
-"""Every page of the site as most people see it, and what may be wrong with how it looks."""
+"""Every page of the site, and its visible faults."""
 
 from __future__ import annotations
 
 import json
-import time
 
 from playwright.sync_api import CDPSession, Page, ViewportSize
 
 from ...conftest import THOROUGH
-from .pictures import SETTLED
+from .pictures import SETTLED, remaining
 from .scenes import BLIND_DETECTOR
 from .scripts import page_function
 from .specimens import camera, cameras, dump, result, rig, statistics
-from .waiting import TIMEOUT_S, at_rest
+from .waiting import at_rest
 
 PAGES = {
     "landing": "",
@@ -46,9 +45,9 @@ PAGES = {
     "problems": "docs/problems/",
     "missing": "nothing-here/",
 }
-#: their content comes from the service, from the visitor's device, or is long
+#: pages whose content comes from the service or the visitor's device, or is long
 FILLED_IN = ("landing", "sent", "cameras", "result", "data", "status", "reference")
-#: no other test looks at them
+#: pages of no other test
 ONLY_HERE = ("rig-result", "docs", "call", "reference", "missing")
 VISITED = PAGES if THOROUGH else dict.fromkeys((*FILLED_IN, *ONLY_HERE))
 SIZES: dict[int, ViewportSize] = {
@@ -58,7 +57,7 @@ SIZES: dict[int, ViewportSize] = {
 #: a tenth of the shift that people notice, after web.dev
 MAX_SHIFT = 0.01
 
-# Answers by a part of their address: routes take a third more time for every file of a page.
+# By a part of the address: routes take a third more time for every file of a page.
 _ANSWERS = {
     "/v1/cameras?": cameras,
     "/v1/cameras/": camera,
@@ -67,7 +66,7 @@ _ANSWERS = {
     "/dumps/statistics.json": statistics,
     "/dumps/latest.json": dump,
 }
-# Nothing is answered before the page was drawn once: what comes of an answer moves what is seen.
+# Responses come after the first paint, as those of a real service: they move what is seen.
 _LATE_ANSWERS = """
   const drawn = window.drawn = new Promise((done) => {
     new PerformanceObserver((list, observer) => {
@@ -93,8 +92,7 @@ _WATCH = """
   });
   window.shifting.observe({ type: "layout-shift", buffered: true });
 """
-# Buttons of a page that can be seen and pressed, and of which nothing hears when its modules have run.
-# A form with an address needs no script.
+# Visible, enabled buttons without a listener after the modules have run. A form with an address needs none.
 UNHEARD = """
   const [heard, add] = [new Set(), HTMLElement.prototype.addEventListener];
   HTMLElement.prototype.addEventListener = function (type, ...rest) {
@@ -112,10 +110,7 @@ _AMISS = page_function("page_faults")
 
 
 def prepare(page: Page) -> CDPSession:
-    """Let a page be answered by specimens, after it was drawn once, and watch what moves.
-
-    Returns a session for `visit`.
-    """
+    """Answer a page's requests by specimens, and watch what moves; return a session for `visit`."""
     answers = {part: answer() for part, answer in _ANSWERS.items()}
     page.add_init_script(f"const answers = {json.dumps(answers)};{_LATE_ANSWERS}{BLIND_DETECTOR}")
     page.add_init_script(_WATCH + UNHEARD)
@@ -123,9 +118,9 @@ def prepare(page: Page) -> CDPSession:
 
 
 def visit(page: Page, session: CDPSession, name: str, language: str) -> None:
-    """Open a page in a language, as at a first visit, and wait until all that it asks for is there.
+    """Open a page in a language, as at a first visit, and wait until all its requests have ended.
 
-    In `make test` pages that do not have to stand still take from the cache what they share with others.
+    In `make test` pages whose shifts are not tested may use the cache.
     """
     is_first = THOROUGH or name in FILLED_IN
     session.send("Network.setCacheDisabled", {"cacheDisabled": is_first})
@@ -136,23 +131,17 @@ def visit(page: Page, session: CDPSession, name: str, language: str) -> None:
 
 
 def unheard(page: Page) -> list[str]:
-    """List the buttons that nothing listens to."""
     found: list[str] = page.evaluate("window.unheard")
     return [f"does not listen to {button}" for button in found]
 
 
 def shifts(page: Page) -> list[tuple[float, list[str]]]:
-    """List how far parts of the page have moved, and which, since it was opened."""
+    """Distances and names of the parts of the page that have moved since it was opened."""
     found: list[tuple[float, list[str]]] = page.evaluate("window.shifts")
     return found
 
 
-def faults(page: Page, width: int, seconds: float = TIMEOUT_S) -> list[str]:
-    """List what is wrong with the page in a window of that width, once it has come to rest."""
+def faults(page: Page, width: int) -> list[str]:
     page.set_viewport_size(SIZES[width])
-    end = time.monotonic() + seconds
-    while True:
-        page.evaluate(SETTLED)
-        found: list[str] = page.evaluate(_AMISS)
-        if not found or time.monotonic() > end:
-            return found
+    page.evaluate(SETTLED)
+    return remaining(page, lambda: page.evaluate(_AMISS))

@@ -1,4 +1,4 @@
-"""Answers of the service as pages get them, for states that would take long to reach."""
+"""Responses of the service for states that would take long to reach."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _specimen(name: str) -> dict[str, Any]:
 
 
 def result() -> dict[str, Any]:
-    """A calibration with its report: one view left out, of one much is, one stands out."""
+    """A calibration with its report: one view excluded, one mostly, one worse than the others."""
     found: dict[str, Any] = json.loads((ROOT / "tests" / "web" / "result.json").read_text())
     board = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
     return found | {"board": board, "camera_key": None}
@@ -33,12 +33,12 @@ def rig() -> dict[str, Any]:
 
 
 def result_of_camera() -> dict[str, Any]:
-    """The same, of a camera whose page there is: `camera`."""
+    """The same, of `camera`."""
     return result() | {"camera_key": "c2.specimen"}
 
 
 def camera() -> dict[str, Any]:
-    """One camera: a size that is known, where two calibrations do not agree, and one that is not."""
+    """A camera with a known size, where two calibrations do not agree, and an unknown one."""
     names = {"report", "board", "camera_key"}
     agreed = {name: value for name, value in result().items() if name not in names}
     agreed |= {"calibrations": 9, "contributors": 6, "reliable": True, "id": "c~1280x720~0~rectilinear"}
@@ -48,17 +48,14 @@ def camera() -> dict[str, Any]:
 
 
 def cameras() -> dict[str, Any]:
-    """Some cameras, and more of them."""
     return _specimen("cameras")
 
 
 def statistics() -> dict[str, Any]:
-    """Figures of a database that is some weeks old."""
     return _specimen("statistics")
 
 
 def dump() -> dict[str, Any]:
-    """List of the files of a dump."""
     return _specimen("dump")
 
 
@@ -73,7 +70,7 @@ _ANSWERING = """(([pattern, status, body]) => {
 
 
 def answer(page: Page, pattern: str, body: Callable[[], dict[str, Any]]) -> None:
-    """Answer a page's requests by a specimen from its next address on; the last answer is asked first.
+    """Answer a page's requests by a specimen from its next navigation on; the last call takes precedence.
 
     `pattern` is an address in which `*` stands for a part and `**` for several. No cache answers a lookup.
     """

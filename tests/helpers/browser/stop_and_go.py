@@ -1,4 +1,4 @@
-"""Real footage as a hand that stops and goes: poses of a video held, with its own motion between."""
+"""Real footage as a hand that stops and goes: poses of a video are held, with its own motion between."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ HELD_S, MOVING_S = 2.0, 0.6
 
 
 def frames_of(path: Path) -> list[Any]:
-    """All frames (h, w, 3) of a video."""
     capture = cv2.VideoCapture(str(path))
     frames = []
     while (read := capture.read())[0]:
@@ -28,9 +27,9 @@ def frames_of(path: Path) -> list[Any]:
     return frames
 
 
-def stop_and_go(frames: Sequence[Any], poses: int = POSES) -> Iterator[Any]:
-    """Frames of which `poses`, spread evenly, are held, and those between pass."""
-    stops = [round(n * (len(frames) - 1) / (poses - 1)) for n in range(poses)]
+def stop_and_go(frames: Sequence[Any]) -> Iterator[Any]:
+    """Hold POSES frames, spread evenly, and let those between pass."""
+    stops = [round(n * (len(frames) - 1) / (POSES - 1)) for n in range(POSES)]
     for here, there in zip(stops, [*stops[1:], stops[-1]], strict=True):
         yield from [frames[here]] * round(HELD_S * RATE)
         if there > here:
@@ -39,7 +38,7 @@ def stop_and_go(frames: Sequence[Any], poses: int = POSES) -> Iterator[Any]:
 
 
 def write(path: Path, frames: Iterable[Any], rate: int = RATE) -> Path:
-    """Write frames as a YUV4MPEG2 file, which Chromium shows over and over as its camera."""
+    """Write frames as a YUV4MPEG2 file, which Chromium's camera repeats."""
     with path.open("wb") as file:
         for n, frame in enumerate(frames):
             h, w = frame.shape[:2]
@@ -51,7 +50,7 @@ def write(path: Path, frames: Iterable[Any], rate: int = RATE) -> Path:
 
 @contextmanager
 def camera(playwright: Playwright, url: str, source: Path) -> Iterator[Page]:
-    """Give a page in a Chromium whose camera is a YUV4MPEG2 file."""
+    """Page in a Chromium whose camera is a YUV4MPEG2 file."""
     flags = [
         "--use-fake-ui-for-media-stream",
         "--use-fake-device-for-media-stream",

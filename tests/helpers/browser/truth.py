@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Truth:
-    """Pinhole and k1, at 1280 x 720; the rest of the distortion is nought."""
+    """Pinhole and k1."""
 
     fx: float = 1000.0
     cx: float = 639.5 + 25
@@ -36,16 +36,12 @@ class Truth:
         return Camera("rectilinear", self.matrix, self.distortion, self.size)
 
     def query(self, **more: object) -> str:
-        """Address part that sets the virtual camera to this.
-
-        Its pictures are fewer than a real camera's, and who holds the board is quick: both take a machine's
-        time, and nobody watches.
-        """
+        """Query that sets the virtual camera to this, with few frames and a quick hand, to save time."""
         lens = {"fx": self.fx, "cx": self.cx, "cy": self.cy, "k1": self.k1, "k2": 0}
         width, height = self.size
         size = {} if self.size == Truth.size else {"img_size": f"{width}x{height}"}
         return urlencode({"virtual": 1, "rate": 5, "hand": "quick"} | size | lens | more)
 
 
-#: at half the size, which costs a quarter: for what does not depend on the number of pixels
+#: half the size, which costs a quarter
 SMALL = Truth(fx=500.0, cx=319.5 + 12, cy=179.5, size=(640, 360))

@@ -1,4 +1,4 @@
-"""The viewfinder at the sizes that people have: all of it is in reach, and nothing moves while one aims."""
+"""The viewfinder at common window sizes: all controls are in reach, and nothing moves while one aims."""
 
 from playwright.sync_api import Page
 
@@ -45,7 +45,7 @@ if THOROUGH:
 
 
 def expect_all_in_reach(page: Page, language: str) -> None:
-    """Hold the viewfinder to it that all controls are in the window and the picture stands still."""
+    """Assert that all controls are in the window and the picture stands still."""
     page.locator("#language").select_option(language)
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})

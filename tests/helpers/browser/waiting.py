@@ -1,4 +1,4 @@
-"""Waiting for conditions that `expect` cannot see: requests, storage, and texts that pass."""
+"""Waiting for conditions that `expect` cannot see: requests, storage, and short-lived texts."""
 
 import re
 import time
@@ -9,10 +9,10 @@ from typing import TypeVar
 from playwright.sync_api import Page, Request
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
-#: seconds; only what fails is waited for so long: a machine may be slow, or busy with something else
+#: s
 TIMEOUT_S = 120.0
 
-# What a page says in some places, written down: what stands for a moment may be over before one asks.
+# Record texts in some places, also those that are shown only for a moment.
 _LISTEN = """
   window.said = {};
   document.addEventListener("DOMContentLoaded", () => {
@@ -27,7 +27,7 @@ _LISTEN = """
   });
 """
 
-# Whether a text was in one of the places, be it for a moment only.
+# Record whether a text was in one of the places, even for a moment.
 _PASSING = """([places, text]) => {
   window.passed = false;
   new MutationObserver((_, observer) => {
@@ -37,29 +37,27 @@ _PASSING = """([places, text]) => {
   }).observe(document.body, { subtree: true, childList: true, characterData: true });
 }"""
 
-# Two frames, and what they brought about.
 _DRAWN = """() => new Promise((done) =>
   requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done))))"""
 
 T = TypeVar("T")
 
 
-def until(page: Page, holds: Callable[[], T], seconds: float = TIMEOUT_S) -> T:
+def until(page: Page, holds: Callable[[], T]) -> T:
     """Wait until a condition holds that no locator can express, and return its value.
 
-    What is visible in a page is waited for by `expect`. This is for requests that arrived, for storage and
-    for variables of the page; the condition is looked at after each request, or after 50 ms.
+    The condition is evaluated after each request, or after 50 ms.
     """
-    end = time.monotonic() + seconds
+    end = time.monotonic() + TIMEOUT_S
     while not (found := holds()):
-        assert time.monotonic() < end, f"it did not happen in {seconds:.0f} s"
+        assert time.monotonic() < end, f"it did not happen in {TIMEOUT_S:.0f} s"
         with suppress(PlaywrightTimeoutError):
             page.wait_for_event("request", timeout=50)
     return found
 
 
 def requests_within(page: Page, seconds: float) -> list[str]:
-    """Address of the first request that a page makes in so many seconds; [] where it makes none."""
+    """Address of the first request that a page makes in so many seconds, or []."""
     try:
         return [page.wait_for_event("request", timeout=1000 * seconds).url]
     except PlaywrightTimeoutError:
@@ -67,8 +65,8 @@ def requests_within(page: Page, seconds: float) -> list[str]:
 
 
 @contextmanager
-def at_rest(page: Page, seconds: float = 15.0) -> Iterator[None]:
-    """Wait until all that a page asks for in the block has arrived and is drawn, or for so many seconds.
+def at_rest(page: Page) -> Iterator[None]:
+    """Wait until the requests of the block have ended and the page is drawn, or for 15 s.
 
     `networkidle` takes half a second more for each page, and never comes if a worker's import fails.
     """
@@ -84,7 +82,7 @@ def at_rest(page: Page, seconds: float = 15.0) -> Iterator[None]:
     for event, listener in listeners.items():
         page.on(event, listener)  # type: ignore[call-overload]
     yield
-    limit, quiet = time.monotonic() + seconds, 0
+    limit, quiet = time.monotonic() + 15, 0
     while quiet < 3 and time.monotonic() < limit:
         page.evaluate(_DRAWN)
         quiet = 0 if pending else quiet + 1
@@ -93,34 +91,30 @@ def at_rest(page: Page, seconds: float = 15.0) -> Iterator[None]:
 
 
 def address(page: Page) -> str:
-    """Address of a page by its own account: Playwright learns of it a little later."""
+    """Address of a page, which Playwright learns a little later."""
     there: str = page.evaluate("location.href")
     return there
 
 
 def listen(page: Page) -> None:
-    """Write down what the page says from its next address on."""
+    """Record the texts of a page from its next navigation on, for `heard`."""
     page.add_init_script(_LISTEN)
 
 
 def heard(page: Page, where: str) -> list[str]:
-    """All that a page has said in one place since it was opened."""
+    """All texts in one place since the page was opened."""
     texts: list[str] = page.evaluate("(id) => window.said[id] ?? []", where)  # none yet before it is there
     return texts
 
 
 def hear(page: Page, where: str, words: str) -> None:
-    """Wait until a page has shown a text that fits a pattern, be it for a moment only.
-
-    `expect(locator)` looks from time to time and misses a notice that stands for a second on a busy machine;
-    the observer of `listen` writes every text down. Texts that stay are waited for by `expect`.
-    """
+    """Wait until a page has shown a text that matches a pattern, even for a moment."""
     until(page, lambda: any(re.search(words, text) for text in heard(page, where)))
 
 
 @contextmanager
 def passing(page: Page, places: str, text: str) -> Iterator[None]:
-    """Wait until what is done in the block has shown a text in one of the places, be it for a moment only."""
+    """Wait until a text has been in one of the places during or after the block, even for a moment."""
     page.evaluate(_PASSING, [places, text])
     yield
     until(page, lambda: page.evaluate("window.passed"))

@@ -1,4 +1,4 @@
-"""A camera that the service knows, and functions that look at sessions of WebXR in a page."""
+"""A known camera, and functions that inspect sessions of WebXR in a page."""
 
 import json
 from pathlib import Path
@@ -10,13 +10,11 @@ from .specimens import result
 from .truth import Truth
 
 LABEL = "WebXR Test Camera (1234:0a0b)"
-KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720], "zoom": 0}
 TRUTH = Truth()
 SHARED = Path(__file__).with_name("webxr.js").read_text()
 
 
 def script(body: str, **constants: object) -> str:
-    """A function to run in a page."""
     given = "".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
     return f"async () => {{ {given} {SHARED} {body} }}"
 

@@ -9,6 +9,7 @@ from calibsolver import CalibrationError, Camera, View
 from calibsolver.consensus import Consensus, Member, Rule, difference, pool
 from tests.helpers.solver import populations, synthetic
 
+HONEST_VIEWS = 5
 RULE = Rule(min_contributors=3)
 MOVED = 0.5
 """px over the image, by which no lie may move a reliable answer."""
@@ -29,14 +30,12 @@ EFFORTS = {"very poor views": Effort(3, 2.0), "very many views": Effort(60, 0.05
 
 @dataclass(frozen=True)
 class Trial:
-    """One camera: what is answered without the liars and with them, and how far the answer moved, px.
+    """One camera: its consensus without the liars and with them, and how far that moved, px.
 
-    `by_honest` is how far it moved with as many more honest ones in their place; None where nothing reliable
-    was answered then, or nobody asked.
+    `by_honest` is how far it moved with calibrated contributors in their place; None if it was not reliable
+    then, or not asked for.
     """
 
-    kind: str
-    total: int
     clean: Consensus
     attacked: Consensus | None
     moved: float
@@ -44,12 +43,11 @@ class Trial:
 
     @property
     def reliable(self) -> bool:
-        """True if there is a reliable answer in spite of the lies."""
         return self.attacked is not None and self.attacked.reliable
 
     @property
     def wrong(self) -> bool:
-        """True if a reliable answer moved by more than half a pixel over the image."""
+        """True if a reliable consensus moved by more than half a pixel over the image."""
         return self.reliable and self.moved > MOVED
 
 
@@ -58,58 +56,47 @@ def trial(
     kind: str,
     total: int,
     variation: float = 0.0,
-    views: int = 5,
     others: np.random.Generator | None = None,
     effort: Effort | None = None,
     liars: int = 2,
 ) -> Trial:
     """Forty in a hundred of a camera's calibrations are lies, all from `liars` contributors.
 
-    `variation` is the standard deviation of the focal lengths of honest specimens, as a share; that of the
-    principal point is as many image widths. `others` makes as many honest contributors to compare
-    the liars with.
-    `effort`: what the attackers' views are like; None: like those of the others.
+    `variation` is the standard deviation of the specimens' focal lengths, as a share; that of the principal
+    point is as many image widths. `others` draws calibrated contributors in the liars' place. `effort`: what
+    the attackers' views are like; None: like those of the others.
     """
-    effort = effort or Effort(views)
     cameras = synthetic.rectilinear_cameras()
     camera = cameras[int(rng.integers(len(cameras)))]
     bad = int(0.4 * total)
-    honest = [
-        Member(f"h{i}", f"h{i}", tuple(populations.views(vary(camera, variation, rng), rng, count=views)))
-        for i in range(total - bad)
-    ]
-    false = [
-        Member(f"l{i}", f"l{i % liars}", seen)
-        for i, seen in enumerate(lies(kind, camera, bad, variation, rng, effort))
-    ]
-    size = camera.img_size
-    clean = pool(honest, size, "rectilinear", RULE)
-    everybody = [*false, *honest]
+
+    def specimen(rng: np.random.Generator) -> tuple[View, ...]:
+        return tuple(populations.views(vary(camera, variation, rng), rng, count=HONEST_VIEWS))
+
+    def pooled(members: Sequence[Member]) -> Consensus:
+        return pool(members, camera.img_size, "rectilinear", RULE)
+
+    honest = [Member(f"h{i}", f"h{i}", specimen(rng)) for i in range(total - bad)]
+    seen = lies(kind, camera, bad, variation, rng, effort or Effort(HONEST_VIEWS))
+    everybody = [*(Member(f"l{i}", f"l{i % liars}", views) for i, views in enumerate(seen)), *honest]
     members = [everybody[i] for i in rng.permutation(total)]
+    clean = pooled(honest)
     by_honest = None
     if others is not None:
-        more = [
-            Member(
-                f"x{i}",
-                f"x{i % liars}",
-                tuple(populations.views(vary(camera, variation, others), others, count=views)),
-            )
-            for i in range(bad)
-        ]
-        unharmed = pool([*honest, *more], size, "rectilinear", RULE)
-        by_honest = (
-            difference(clean.calibration.camera, unharmed.calibration.camera) if unharmed.reliable else None
+        unharmed = pooled(
+            [*honest, *(Member(f"x{i}", f"x{i % liars}", specimen(others)) for i in range(bad))]
         )
+        if unharmed.reliable:
+            by_honest = difference(clean.calibration.camera, unharmed.calibration.camera)
     try:
-        attacked = pool(members, size, "rectilinear", RULE)
+        attacked = pooled(members)
     except CalibrationError:
-        return Trial(kind, total, clean, None, 0.0, by_honest)
+        return Trial(clean, None, 0.0, by_honest)
     moved = difference(clean.calibration.camera, attacked.calibration.camera)
-    return Trial(kind, total, clean, attacked, moved, by_honest)
+    return Trial(clean, attacked, moved, by_honest)
 
 
 def vary(camera: Camera, variation: float, rng: np.random.Generator) -> Camera:
-    """Another specimen of the same product."""
     k = camera.intrinsics
     k[:2] *= 1 + variation * rng.normal()
     k[2:4] += variation * camera.img_size[0] * rng.normal(size=2)
@@ -119,7 +106,7 @@ def vary(camera: Camera, variation: float, rng: np.random.Generator) -> Camera:
 def lies(
     kind: str, camera: Camera, count: int, variation: float, rng: np.random.Generator, effort: Effort
 ) -> Sequence[tuple[View, ...]]:
-    """Views of the sessions of liars: from just beside the truth to far from it."""
+    """Views of the sessions of liars, from close to the truth to far from it."""
 
     def wrong() -> Camera:
         k = camera.intrinsics

@@ -41,7 +41,6 @@ def subject(model: str) -> ExportSource:
 
 @cache
 def written(model: str, name: str) -> ExportedFile:
-    """File of the format `name` that holds the subject of a model."""
     return write(subject(model), name)
 
 

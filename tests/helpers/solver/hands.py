@@ -15,16 +15,10 @@ SQUARE_CM = 3.0
 class Hand:
     """Motion during one frame, and the shape of the board.
 
-    Attributes
-    ----------
-    readout_s
-        Time between the first and the last row of an image; 0: a global shutter.
-    speed_cm_s, turn_deg_s
-        Root mean square velocity of the board along and about each axis: the tremor of a hand that rests.
-    sag_boards
-        Largest height of the board over its plane / its longer side; one shape in all views of a capture.
-    focal_share
-        Root mean square change of the focal length between views / the focal length: autofocus that hunts.
+    `readout_s`: from the first to the last row of an image. `speed_cm_s`, `turn_deg_s`: root mean square
+    velocity of the board along and about each axis. `sag_boards`: largest height of the board / its
+    longer side, the same in all views of a capture. `focal_share`: root mean square change of the focal
+    length between views / the focal length, by autofocus.
     """
 
     readout_s: float = 0.0
@@ -34,7 +28,7 @@ class Hand:
     focal_share: float = 0.0
 
     def refocused(self, camera: Camera, rng: np.random.Generator) -> Camera:
-        """Return the camera as it is focused in one view."""
+        """Camera as it is focused in one view."""
         if not self.focal_share:
             return camera
         matrix = camera.matrix.copy()
@@ -42,7 +36,9 @@ class Hand:
         return Camera(camera.model, matrix, camera.distortion, camera.img_size)
 
     def bend(self, board: Board, rng: np.random.Generator) -> np.ndarray:
-        """Return the corners (n, 3) of a board bent in some direction, board frame."""
+        """Corners (n, 3) of a board bent in some direction, board frame."""
+        if not self.sag_boards:
+            return board.points
         center, half = board.outline.mean(axis=0), max(board.size) / 2
         x, y = ((board.points - center) / half)[:, :2].T
         height = np.stack([x * x, x * y, y * y], axis=1) @ rng.normal(size=3)

@@ -19,16 +19,9 @@ POPULATIONS = {
 class Intervals:
     """Results of many captures, each of another camera.
 
-    Attributes
-    ----------
-    ratio
-        (s,) rms over the image of the projection error / of the predicted one.
-    z
-        (s, p) errors of the intrinsics / their predicted standard deviations.
-    out_of_domain
-        Captures whose result has no ray for some pixel that the camera has one for.
-    failed
-        Captures that no fit came out of.
+    `ratio` (s,): rms over the image of the projection error / of the predicted one. `z` (s, p): errors of the
+    intrinsics / their predicted deviations. `out_of_domain`: captures whose result lacks a ray for some pixel
+    that the camera has one for. `failed`: captures without a fit.
     """
 
     ratio: np.ndarray
@@ -38,23 +31,21 @@ class Intervals:
 
     @property
     def projection(self) -> float:
-        """Root mean square of the ratios: 1 where the predicted error is the one that happens."""
         return float(np.sqrt(np.mean(self.ratio**2)))
 
     @property
     def coverage(self) -> np.ndarray:
-        """Share (p,) of the captures whose 95 % interval holds the true parameter."""
+        """Share (p,) of the captures whose 95 % interval contains the true parameter."""
         share: np.ndarray = np.mean(np.abs(self.z) < 1.959964, axis=0)
         return share
 
 
-def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed: int = 0) -> Intervals:
-    """`captures` captures of `views` views, corner noise in px, each of a camera of its own."""
-    rng = np.random.default_rng(seed)
+def measure(model: str, captures: int, views: int = 8) -> Intervals:
+    rng = np.random.default_rng(0)
     ratio, z, out_of_domain, failed = [], [], 0, 0
-    for camera in POPULATIONS[model](captures, seed=seed):
+    for camera in POPULATIONS[model](captures):
         try:
-            c = fit(populations.views(camera, rng, noise, views), camera.img_size, model)
+            c = fit(populations.views(camera, rng, count=views), camera.img_size, model)
         except CalibrationError:
             failed += 1
             continue

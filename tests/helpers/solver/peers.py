@@ -33,26 +33,19 @@ class Comfortable(ProjectionUncertainty):
         return super().choose(posterior, index, COMFORTABLE, *others, **named)
 
 
-def run_published_method(
-    camera: Camera,
-    rng: np.random.Generator,
-    noise: float = 0.2,
-    wild: float = 0.0,
-    user: User | None = None,
-    max_attempts: int = 100,
-) -> Session:
+def run_published_method(camera: Camera, rng: np.random.Generator, noise: float = 0.2) -> Session:
     """The published method as it is: its poses, plain least squares, its overlap rule, its own end.
 
     Drawn with a wrong focal length some targets cannot be reached: the best of MAX_ATTEMPTS is taken.
     """
-    board, user = Board(), user or User()
+    board, user = Board(), User()
     guide = PoseSelection(board, camera.img_size, camera.model)
     session, tried = Session(), list[tuple[float, View]]()
-    while session.attempts < max_attempts and not guide.is_done(session.views):
+    while session.attempts < 100 and not guide.is_done(session.views):
         session.attempts += 1
         target = guide.next_pose(session.views, None)
         asked = match_picture(board, guide.camera(session.views), camera, target)
-        view = detect(board, camera, *user.hold(board, asked, rng), rng, noise, wild)
+        view = detect(board, camera, *user.hold(board, asked, rng), rng, noise)
         tried.append((jaccard_index(target.outline, estimate_outline(board, view), camera.img_size), view))
         if not guide.is_reached(target, view):
             if len(tried) < MAX_ATTEMPTS:
@@ -61,10 +54,7 @@ def run_published_method(
         tried = []
         session.views.append(view)
         calibration = guide.estimate(session.views) if len(session.views) > 1 else None
-        if calibration is not None:
-            session.measure(camera, calibration, calibration.uncertainty().rms)
-        else:
-            session.nothing(camera)
+        session.measure(camera, calibration)
     session.stopped = len(session.views) if guide.is_done(session.views) else None
     return session
 
@@ -72,14 +62,13 @@ def run_published_method(
 def random_poses(
     camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
 ) -> Session:
-    """Someone who shows the board tilted here and there, all of it mostly, and does not think about it."""
+    """Someone who shows the board tilted here and there, all of it mostly."""
     return _calibrated(camera, random_views(camera, rng, views, noise, hand))
 
 
 def random_views(
     camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
 ) -> list[View]:
-    """Views of `random_poses`."""
     board = Board()
     unit = rng.uniform(size=(40 * views, 6))
     return _seen(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise, hand)
@@ -106,25 +95,14 @@ def _seen(
     camera: Camera, poses: Poses, rng: np.random.Generator, views: int, noise: float, hand: Hand = STEADY
 ) -> list[View]:
     board = Board()
-    corners = hand.bend(board, rng) if hand.sag_boards else None
+    options: dict[str, Any] = {"hand": hand, "corners": hand.bend(board, rng), "whole_markers": False}
     return [
-        detect(
-            board,
-            camera,
-            rotation.vector(r),
-            t,
-            rng,
-            noise,
-            hand=hand,
-            corners=corners,
-            whole_markers=False,
-        )
+        detect(board, camera, rotation.vector(r), t, rng, noise, **options)
         for r, t in zip(poses.r[:views], poses.t[:views], strict=True)
     ]
 
 
 def _calibrated(camera: Camera, views: list[View]) -> Session:
-    """Session that calibrates again after each view."""
     session = Session()
     for view in views:
         session.attempts += 1
@@ -132,7 +110,6 @@ def _calibrated(camera: Camera, views: list[View]) -> Session:
         try:
             calibration = fit(session.views, camera.img_size, camera.model)
         except CalibrationError:
-            session.nothing(camera)
-            continue
-        session.measure(camera, calibration, calibration.uncertainty().rms)
+            calibration = None
+        session.measure(camera, calibration)
     return session

@@ -4,10 +4,11 @@ import csv
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 
-from calibsolver import Board, Camera, View, models, rotation
+from calibsolver import Board, Camera, View, rotation
 from calibsolver.consensus import Member
 from tests.helpers.data import data_dir
 from tests.helpers.solver import synthetic
@@ -38,13 +39,12 @@ def views(
 ) -> list[View]:
     """Views as a guided capture ends with: close to all parts of the image, tilted by 35 to 50 degrees.
 
-    A view that shows fewer than 16 corners of those of the board is taken again with the board farther away.
-    `hand` holds it.
+    A view with fewer than 16 corners is taken again with the board farther away.
     """
     w, h = camera.img_size
-    corners = hand.bend(board, rng) if hand.sag_boards else None
     middle = board.outline.mean(axis=0)
     least = min(16, len(board.points))
+    options: dict[str, Any] = {"hand": hand, "corners": hand.bend(board, rng), "whole_markers": False}
     out: list[View] = []
     for i in range(count):
         x, y = PLACES[i % len(PLACES)] + rng.uniform(-0.06, 0.06, 2)
@@ -58,17 +58,7 @@ def views(
             depth = board.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
             focused = hand.refocused(camera, rng)
-            view = synthetic.detect(
-                board,
-                focused,
-                rotation.vector(r),
-                t,
-                rng,
-                noise,
-                hand=hand,
-                corners=corners,
-                whole_markers=False,
-            )
+            view = synthetic.detect(board, focused, rotation.vector(r), t, rng, noise, **options)
             if len(view) >= least:
                 out.append(view)
                 break
@@ -77,44 +67,30 @@ def views(
 
 
 @cache
-def rational_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
-) -> tuple[Camera, ...]:
+def rational_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Webcams from wide to narrow whose further coefficients are small, as calibrations of them find."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
     while len(cameras) < count:
-        plain = synthetic.rectilinear_cameras(2 * count, int(rng.integers(1 << 30)), img_size)
+        plain = synthetic.rectilinear_cameras(2 * count, int(rng.integers(1 << 30)))
         for camera in plain:
             k1, k2, p1, p2, _ = camera.distortion
             d = np.array([k1, k2, p1, p2, 0, 0, 0, 0])
             d += np.array([0.15, 0.06, 0, 0, 0.015, 0.15, 0.06, 0.015]) * rng.normal(size=8)
-            cameras += seen_all(Camera("rational", camera.matrix, d, img_size))
+            cameras += seen_all(Camera("rational", camera.matrix, d, camera.img_size))
     return tuple(cameras[i] for i in rng.permutation(len(cameras))[:count])
 
 
 @cache
-def omnidirectional_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
-) -> tuple[Camera, ...]:
+def omnidirectional_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Cameras of 120 to 190 degrees over the diagonal, xi from 0.8 to 2.2 as wide lenses have it."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
     while len(cameras) < count:
         d = np.array([rng.uniform(0.8, 2.2), *(np.array([0.08, 0.1, 1e-3, 1e-3]) * rng.normal(size=4))])
-        cameras += seen_all(
-            of_diagonal("omnidirectional", d, np.radians(rng.uniform(120, 190)), rng, img_size)
-        )
+        angle = np.radians(rng.uniform(120, 190))
+        cameras += seen_all(synthetic.of_diagonal("omnidirectional", d, angle, rng))
     return tuple(cameras)
-
-
-def of_diagonal(
-    model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
-) -> Camera:
-    """Camera that sees `angle` over its diagonal."""
-    reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
-    focal = np.hypot(*img_size) / 2 / reach
-    return Camera(model, synthetic.camera_matrix(focal, img_size, rng), d, img_size)
 
 
 def seen_all(camera: Camera) -> list[Camera]:
@@ -125,13 +101,11 @@ def seen_all(camera: Camera) -> list[Camera]:
 
 
 def profile_rows() -> list[dict[str, str]]:
-    """Rows of the published lens profiles."""
     with (data_dir() / "lens_profiles.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
 
 def profile_camera(row: dict[str, str]) -> Camera:
-    """Camera of a row."""
     fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
     matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
     return Camera(

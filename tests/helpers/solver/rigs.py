@@ -7,13 +7,13 @@ import numpy as np
 
 from calibsolver import Board, Camera, View, rotation
 from calibsolver.arrays import Array
+from calibsolver.camera import pixel_grid
 from calibsolver.rig.start import RigidMotion, symmetries, turn_back
 from tests.helpers.data import corner_set
 
 REAL_SIZE = (640, 480)
-"""Image size of the cameras of OpenCV's stereo sample, px."""
 REVERSED = (8, 1)
-"""Moment and position of the view there whose corners are numbered from the other end: right09."""
+"""Moment and position of the real view whose corners are numbered from the other end: right09."""
 MIN_SEEN = 12
 """Corners of a view, at least."""
 MAX_DRAWS = 2000
@@ -64,7 +64,6 @@ def side_by_side(cameras: Sequence[Camera], baseline: float) -> Rig:
 
 
 def ring(cameras: Sequence[Camera], radius: float) -> Rig:
-    """Rig of cameras on a circle, looking outwards."""
     step = 2 * np.pi / len(cameras)
     motions = [
         placed((radius * np.sin(i * step), 0, radius * (np.cos(i * step) - 1)), (0, i * step, 0))
@@ -97,20 +96,14 @@ def moments(
     raise ValueError("the cameras look in different directions")
 
 
-def transfer_error(
-    truth: Rig, found: Rig, distances: Sequence[float], grid: tuple[int, int] = (12, 9)
-) -> float:
-    """Rms distance, px, between points of one camera in another: where they are, and where `found` has them.
+def transfer_error(truth: Rig, found: Rig, distances: Sequence[float]) -> float:
+    """Rms distance, px, of points of one camera in another from where `found` has them, over ordered pairs.
 
-    Over all ordered pairs, of pixels on a grid that land in the other image, at a distance along the ray.
+    The points are pixels on a grid that land in the other image, at a distance along the ray.
     """
     squares = []
     for i, one in enumerate(found.cameras):
-        w, h = one.img_size
-        x, y = np.meshgrid(
-            (np.arange(grid[0]) + 0.5) * w / grid[0] - 0.5, (np.arange(grid[1]) + 0.5) * h / grid[1] - 0.5
-        )
-        pixels = np.stack([x.ravel(), y.ravel()], axis=1)
+        pixels = pixel_grid(one.img_size, (12, 9)).reshape(2, -1).T
         for j, other in enumerate(found.cameras):
             if i == j:
                 continue

@@ -1,22 +1,21 @@
 """Made-up cameras and a clumsy user: the closed loop in which guidance is measured.
 
-The world is the one of the published comparison: 12 cameras with f = 500 to 1600 px at 1280 x 720 and k1
-from -0.35 to +0.10, a 9 x 6 board, independent Gaussian noise on the corners, a user who misses each pose
-by some 3 degrees and 3 %.
+The world is that of the published comparison: 12 cameras with f = 500 to 1600 px at 1280 x 720 and k1 from
+-0.35 to +0.10, a 9 x 6 board, independent Gaussian noise on the corners.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Protocol
 
 import numpy as np
 
-from calibsolver import Board, Calibration, Camera, View
+from calibsolver import Board, Calibration, Camera, View, models
 from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
-from calibsolver.capture import Capture, Estimate, History
+from calibsolver.capture import Capture, Estimate, History, ViewDecision
 from calibsolver.fitting.initial_guess import plane_poses
+from calibsolver.guidance import ProjectionUncertainty
 from calibsolver.guidance.candidates import distance_to_border
 from calibsolver.guidance.target import TargetPose
 from tests.helpers.solver.hands import STEADY, Hand
@@ -26,32 +25,27 @@ BORDER_PX = 2.0
 """Border in which neither corners nor markers are found."""
 
 
-def camera_matrix(focal: float, img_size: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
+def camera_matrix(focal: float, rng: np.random.Generator) -> np.ndarray:
     """Camera matrix (3, 3) whose centre and aspect are a little off, as those of real cameras."""
-    w, h = img_size
+    w, h = IMG_SIZE
     cx = (w - 1) / 2 + 0.012 * w * rng.normal()
     cy = (h - 1) / 2 + 0.012 * w * rng.normal()
     return np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
 
 
 @cache
-def rectilinear_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
-) -> tuple[Camera, ...]:
+def rectilinear_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Cameras from wide to narrow, each with some distortion, as far as real ones bend."""
     rng = np.random.default_rng(seed)
     cameras = []
-    for focal, k1 in zip(
-        np.geomspace(500, 1600, count) / 1280 * img_size[0],
-        rng.permutation(np.linspace(-0.35, 0.10, count)),
-        strict=True,
-    ):
+    radial = rng.permutation(np.linspace(-0.35, 0.10, count))
+    for focal, k1 in zip(np.geomspace(500, 1600, count), radial, strict=True):
         k2 = 0.3 * k1 * k1 + 0.01 * rng.normal()
         p1, p2 = 0.0006 * rng.normal(size=2)
-        matrix = camera_matrix(focal, img_size, rng)
+        matrix = camera_matrix(focal, rng)
         # Real wide lenses draw the corners a third as large as the middle, not smaller, and nothing between
         # them smaller still: one that is about to fold (its radial stretch near 0) does not bend that much.
-        while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
+        while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], IMG_SIZE)) < 0.3:
             k1, k2 = 0.95 * k1, k2 + 0.002
         cameras.append(camera)
     return tuple(cameras)
@@ -70,21 +64,19 @@ def least_stretch(camera: Camera) -> float:
 
 
 @cache
-def fisheye_cameras(
-    count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
-) -> tuple[Camera, ...]:
+def fisheye_cameras(count: int = 12, seed: int = 0) -> tuple[Camera, ...]:
     """Kannala-Brandt cameras of 118 to 166 degrees over the image's diagonal."""
     rng = np.random.default_rng(seed)
-    w, h = img_size
     cameras = []
     for angle in np.radians(np.linspace(118, 166, count)):
         k = np.array([-0.03, 0.004, -0.001, 0.0001]) * rng.uniform(0.3, 1.5, 4)
-        t = angle / 2
-        reach = t * (1 + t**2 * k[0] + t**4 * k[1] + t**6 * k[2] + t**8 * k[3])
-        focal = np.hypot(w, h) / 2 / reach
-        matrix = camera_matrix(focal, img_size, rng)
-        cameras.append(Camera("fisheye", matrix, k, img_size))
+        cameras.append(of_diagonal("fisheye", k, angle, rng))
     return tuple(cameras)
+
+
+def of_diagonal(model: str, d: np.ndarray, angle: float, rng: np.random.Generator) -> Camera:
+    reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
+    return Camera(model, camera_matrix(np.hypot(*IMG_SIZE) / 2 / reach, rng), d, IMG_SIZE)
 
 
 def tilt_deg(board: Board, r: np.ndarray, tvec: np.ndarray) -> float:
@@ -108,9 +100,8 @@ def detect(
 ) -> View:
     """Corners as a detector reports them: Gaussian noise, a share `wild` 3 to 50 px off.
 
-    A corner is reported if the image contains it and, with `whole_markers`, what identifies it, as a marker
-    beside it (`Board.support`). With `blur` the noise grows with the tilt: it is 1 + blur times as large at
-    45 degrees. `hand` says how the board moves meanwhile; `corners` (n, 3) are those of a bent board.
+    With `whole_markers` the image must also contain what identifies a corner (`Board.support`). With `blur`
+    the noise is 1 + blur times as large at a tilt of 45 degrees. `corners` (n, 3) are those of a bent board.
     """
     r = rotations.matrix(rvec)
     corners = board.points if corners is None else corners
@@ -133,7 +124,7 @@ def detect(
 
 @dataclass(frozen=True)
 class User:
-    """Someone who misses the target: rotation by `degrees` a axis, place by `share` of the distance."""
+    """Someone who misses the target: rotation by `degrees` per axis, place by `share` of the distance."""
 
     degrees: float = 3.0
     share: float = 0.03
@@ -141,7 +132,7 @@ class User:
     def hold(
         self, board: Board, target: TargetPose, rng: np.random.Generator
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The pose (rvec, tvec) that the target becomes in their hands, turned about the board's centre."""
+        """Pose (rvec, tvec) in their hands, turned about the board's centre."""
         center = board.outline.mean(axis=0)
         r = rotations.matrix(target.rvec)
         place = r @ center + target.tvec
@@ -151,9 +142,9 @@ class User:
 
 
 def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPose) -> TargetPose:
-    """The pose at which the real camera sees the board where the picture drawn with the estimate shows it.
+    """Pose at which `camera` sees the board where the picture drawn with the estimate `drawn` shows it.
 
-    A user follows the picture, not the numbers: with a wrong focal length the board ends at another distance.
+    Users follow the picture: with a wrong focal length they hold the board at another distance.
     """
     pixels = drawn.project(board.points @ rotations.matrix(target.rvec).T + target.tvec)
     rays = camera.unproject(pixels)
@@ -161,30 +152,7 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
     if good.sum() < 6:
         return target
     poses = plane_poses(board.points[good].T[None], rays[good].T[None], np.ones((1, int(good.sum()))))
-    return TargetPose(
-        rvec=rotations.vector(poses.r)[0],
-        tvec=poses.t[0],
-        ids=target.ids,
-        corners=target.corners,
-        outline=target.outline,
-        purpose=target.purpose,
-        hint=target.hint,
-        hint_code=target.hint_code,
-        gain=target.gain,
-    )
-
-
-class Guide(Protocol):
-    """Chooser of poses."""
-
-    def next_pose(
-        self,
-        views: Sequence[View],
-        calibration: Calibration | None,
-        skipped: Sequence[TargetPose] = (),
-        unreached: Sequence[TargetPose] = (),
-    ) -> TargetPose:
-        """Choose the pose of the next view; see `ProjectionUncertainty.next_pose`."""
+    return replace(target, rvec=rotations.vector(poses.r)[0], tvec=poses.t[0])
 
 
 @dataclass(frozen=True)
@@ -194,13 +162,8 @@ class Planned:
     poses: tuple[TargetPose, ...]
 
     def next_pose(
-        self,
-        views: Sequence[View],
-        _: Calibration | None,
-        skipped: Sequence[TargetPose] = (),
-        unreached: Sequence[TargetPose] = (),
+        self, views: Sequence[View], _: object, skipped: Sequence[TargetPose] = (), *_unreached: object
     ) -> TargetPose:
-        del unreached
         return self.poses[(len(views) + len(skipped)) % len(self.poses)]
 
 
@@ -230,8 +193,42 @@ def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 
 
 
 def rms_error(truth: Camera, found: Camera) -> float:
-    """Root mean square of `projection_error`, px."""
     return float(np.sqrt(np.mean(projection_error(truth, found) ** 2)))
+
+
+@dataclass
+class Sitting:
+    """State of a capture between its views, as the service keeps it."""
+
+    rules: Capture
+    views: list[View] = field(default_factory=list)
+    quarantined: list[View] = field(default_factory=list)
+    history: History = field(default_factory=History)
+    estimate: Estimate = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.estimate = self.rules.estimate(self.views)
+
+    @property
+    def used(self) -> list[View]:
+        return [view for i, view in enumerate(self.views) if i not in self.estimate.excluded]
+
+    @property
+    def is_exhausted(self) -> bool:
+        return self.history.is_exhausted(len(self.used))
+
+    def offer(self, target: TargetPose | None, view: View) -> ViewDecision:
+        """Judge a view, and keep it if it is accepted or goes into quarantine."""
+        decision = self.rules.judge(
+            self.views, target, view, self.estimate.excluded, self.quarantined, self.history
+        )
+        self.history = decision.after(self.history)
+        if decision.estimate is not None:
+            self.views.append(view)
+            self.estimate, self.quarantined = decision.estimate, []
+        elif decision.quarantine:
+            self.quarantined.append(view)
+        return decision
 
 
 @dataclass
@@ -240,7 +237,6 @@ class Session:
 
     mean: list[float] = field(default_factory=list)
     rms: list[float] = field(default_factory=list)
-    max: list[float] = field(default_factory=list)
     predicted: list[float] = field(default_factory=list)
     calibration_rms: list[float] = field(default_factory=list)
     stopped: int | None = None
@@ -249,27 +245,18 @@ class Session:
     views: list[View] = field(default_factory=list)
     calibration: Calibration | None = None
 
-    def note(self, truth: Camera, estimate: Estimate) -> None:
-        """Add what one more view gave."""
-        calibration, uncertainty = estimate.calibration, estimate.uncertainty
-        if calibration is None or uncertainty is None:
-            raise ValueError("an accepted view has an estimate")
-        self.measure(truth, calibration, uncertainty.rms)
-
-    def measure(self, truth: Camera, calibration: Calibration, predicted: float) -> None:
-        """Add how far a calibration is from the truth."""
+    def measure(self, truth: Camera, calibration: Calibration | None, predicted: float | None = None) -> None:
+        """Add how far a calibration is from the truth; without one, as far as the image is wide."""
+        if calibration is None:
+            for errors in (self.mean, self.rms, self.predicted):
+                errors.append(float(truth.img_size[0]))
+            return
         self.calibration = calibration
         error = projection_error(truth, calibration.camera)
         self.mean.append(float(error.mean()))
         self.rms.append(float(np.sqrt(np.mean(error**2))))
-        self.max.append(float(error.max()))
-        self.predicted.append(predicted)
         self.calibration_rms.append(calibration.uncertainty().rms)
-
-    def nothing(self, truth: Camera) -> None:
-        """Add that there is no calibration: as wrong as the image is wide."""
-        for errors in (self.mean, self.rms, self.max, self.predicted):
-            errors.append(float(truth.img_size[0]))
+        self.predicted.append(self.calibration_rms[-1] if predicted is None else predicted)
 
 
 def run(
@@ -281,61 +268,47 @@ def run(
     blur: float = 0.0,
     user: User | None = None,
     views: int = 6,
-    max_views: int | None = None,
-    target_error: float = 0.3,
+    max_views: int = 0,
     capture: Capture | None = None,
-    guide: Guide | None = None,
+    guide: ProjectionUncertainty | Planned | None = None,
     max_attempts: int = 60,
     hand: Hand = STEADY,
 ) -> Session:
-    """One guided capture up to `views` accepted views; goes on after convergence, which is only noted.
+    """One guided capture up to `views` accepted views, beyond its end, which is only noted.
 
-    `guide` chooses the poses in place of the capture's own. One that has not converged by then goes on to
-    `max_views` views.
+    One that has not ended by then continues to `max_views` views. `guide` chooses the poses in place of the
+    capture's own.
     """
     board, user = board or Board(), user or User()
-    capture = capture or Capture(board, camera.img_size, camera.model, target_error=target_error)
-    chooser: Guide = guide or capture.guide
-    session = Session()
-    corners = hand.bend(board, rng) if hand.sag_boards else None
-    estimate: Estimate = capture.estimate([])
+    capture = capture or Capture(board, camera.img_size, camera.model)
+    chooser = guide or capture.guide
+    sitting = Sitting(capture)
+    session = Session(views=sitting.views)
+    corners = hand.bend(board, rng)
     skipped: tuple[TargetPose, ...] = ()
     unreached: tuple[TargetPose, ...] = ()
-    quarantined: list[View] = []
-    history = History()
     target: TargetPose | None = None
     while session.attempts < max_attempts and len(session.views) < max(
-        views, (max_views or 0) if session.stopped is None else 0
+        views, max_views if session.stopped is None else 0
     ):
         session.attempts += 1
-        target = target or chooser.next_pose(
-            used(session.views, estimate), estimate.calibration, (), unreached
-        )
+        calibration = sitting.estimate.calibration
+        target = target or chooser.next_pose(sitting.used, calibration, (), unreached)
         # A plan that does not adapt is drawn with the camera that it was made for.
-        drawn = capture.camera(None if isinstance(chooser, Planned) else estimate)
+        drawn = capture.camera(None if isinstance(chooser, Planned) else sitting.estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
         view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
-        decision = capture.judge(session.views, target, view, estimate.excluded, quarantined, history)
-        if decision.estimate is None or decision.estimate.calibration is None:
+        decision = sitting.offer(target, view)
+        if decision.estimate is None:
             session.reasons.append(str(decision.reason))
-            quarantined += [view] if decision.quarantine else []
-            history = decision.after(history)
             if len(session.reasons) % 4 == 0:  # gives up on this one
                 skipped = (*skipped, target)
-                target = chooser.next_pose(session.views, estimate.calibration, skipped, unreached)
+                target = chooser.next_pose(session.views, calibration, skipped, unreached)
             continue
-        estimate = decision.estimate
-        unreached, skipped, quarantined = (*unreached, *skipped), (), []
-        session.views.append(view)
-        history = decision.after(history)
-        session.note(camera, decision.estimate)
-        if estimate.converged and session.stopped is None:
+        unreached, skipped, target = (*unreached, *skipped), (), None
+        uncertainty = decision.estimate.uncertainty
+        session.measure(camera, decision.estimate.calibration, uncertainty and uncertainty.rms)
+        if decision.estimate.converged and session.stopped is None:
             session.stopped = len(session.views)
-        target = None
     return session
-
-
-def used(views: Sequence[View], estimate: Estimate) -> list[View]:
-    """The views that are not excluded."""
-    return [view for i, view in enumerate(views) if i not in estimate.excluded]

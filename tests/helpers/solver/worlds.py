@@ -1,7 +1,6 @@
-"""Worlds of honest contributors and liars: specimens of one product, captured with whatever board and care.
+"""Worlds of contributors and liars: specimens of one product, captured with any board, noise and care.
 
-What real specimens show: calibrations of one product differ by 0.1 to 0.4 % of the focal length, contributors
-have boards of 6 to 2,401 corners, corners of 0.05 to 0.6 px noise, and 4 to 15 views.
+The ranges are those that real specimens show.
 """
 
 from dataclasses import dataclass
@@ -14,12 +13,9 @@ from tests.helpers.solver import populations, synthetic
 
 SCATTER = 0.001, 0.004
 """Standard deviation of the focal length between specimens, as a share."""
-NOISE = 0.05, 0.6
-"""px of noise of a corner's coordinate."""
-CORNERS = 6, 2401
-"""Corners of a board."""
-VIEWS = 4, 15
-"""Views of a calibration."""
+NOISE = 0.05, 0.6  # px
+CORNERS = 6, 2401  # of a board
+VIEWS = 4, 15  # of a calibration
 LIE = 0.001, 0.05
 """Share by which a lie changes the focal length."""
 MAX_POINTS = 20_000
@@ -34,11 +30,10 @@ class World:
     scatter: float
 
 
-def world(rng: np.random.Generator, scatter: float | None = None) -> World:
-    """Draw a product."""
+def world(rng: np.random.Generator) -> World:
     cameras = synthetic.rectilinear_cameras(seed=int(rng.integers(1 << 30)))
-    spread = float(rng.uniform(*SCATTER)) if scatter is None else scatter
-    return World(cameras[int(rng.integers(len(cameras)))], spread)
+    scatter = float(rng.uniform(*SCATTER))
+    return World(cameras[int(rng.integers(len(cameras)))], scatter)
 
 
 def specimen(product: World, rng: np.random.Generator) -> Camera:
@@ -88,5 +83,4 @@ def draw_board(rng: np.random.Generator, corners: int | None = None) -> Board:
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """Number whose logarithm is uniform."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))

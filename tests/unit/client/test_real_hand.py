@@ -11,7 +11,7 @@ from calibdb_client.detection import Corners
 from calibdb_client.recording import RecordedView
 from calibsolver import Camera, rotation
 from tests.helpers.board_pictures import TILTS
-from tests.helpers.real_hand import Habits, RealCamera
+from tests.helpers.real_hand import RealCamera
 from tests.helpers.solver import synthetic
 from tests.helpers.virtual_person import Listener, VirtualCamera
 
@@ -23,12 +23,12 @@ THOROUGH = tuple(pytest.param(seed, marks=pytest.mark.thorough) for seed in rang
 @pytest.mark.parametrize("follows", [True, False])
 @pytest.mark.parametrize("seed", THOROUGH)
 def test_capture_at_and_off_the_outline_ends_within_90_s(seed: int, follows: bool) -> None:
-    capture(RealCamera(seed=seed, habits=Habits(follows=follows)))
+    capture(RealCamera(seed=seed, follows=follows))
 
 
 @pytest.mark.thorough
 def test_capture_of_a_flat_board_ends_within_90_s_and_within_twice_its_stated_error() -> None:
-    error, stated = capture(RealCamera(size=(480, 360), fx=430, habits=Habits(bend_mm=0)))
+    error, stated = capture(RealCamera(size=(480, 360), fx=430, bend_mm=0))
     assert error < MAX_ERROR_RATIO * stated
 
 
