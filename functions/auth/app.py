@@ -9,7 +9,7 @@ from calibdb.schema import SessionOpened
 
 
 def open_session(call: application.Call) -> Response:
-    """Answer with a session id. Only that one more was opened is written: the id carries the rest."""
+    """Issue a session id, which contains all that is known of the session; only a count is stored."""
     token = call.api_token(charge="sessions")
     session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
     return application.json_response(SessionOpened(session_id=session_id, expires_at=expires_at), 201)

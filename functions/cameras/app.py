@@ -1,4 +1,4 @@
-"""Cameras: a search by words, all that is known of one camera, and a badge of it."""
+"""Cameras: a search by words, all that is known of one camera, and its badge."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from calibdb.schema.cameras import CameraDetail, CameraList, CamerasRequest
 from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
-_MAX_MODES = 60  # sizes and zooms of a camera that are shown; anyone can add one
+_MAX_MODES = 60  # shown of a camera; anyone can add one
 _READERS = 8  # cameras, or modes of one, read at a time
 _BADGE_HEADERS = {
     "Cache-Control": "public, max-age=300",
@@ -28,7 +28,7 @@ _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization
 
 
 def search(call: application.Call) -> Response:
-    """Answer with the cameras of whose names a word begins with every word asked for."""
+    """Search the cameras whose names have words that begin with those of the query."""
     call.api_token()
     request = call.query(CamerasRequest)
     terms = camera_search.query_words(request.query)
@@ -84,11 +84,7 @@ def show(call: application.Call) -> Response:
 
 
 def badge(call: application.Call) -> Response:
-    """Return the badge of a camera at a size.
-
-    It needs no credential, is the same for everyone, and is cached. Unknown cameras and invalid sizes also
-    get a badge, because a missing image would leave a hole in a page.
-    """
+    """Return the badge of a camera at a size, also of unknown ones: a missing image would leave a hole."""
     key, img_size = call.path("key"), parse_size(call.path("file"))
     result = NOT_CALIBRATED
     if img_size is not None and PATTERN.fullmatch(key):

@@ -1,7 +1,7 @@
-"""Canary: looks a camera up and calibrates one through the site, as a page does, and notes how it fared.
+"""Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome.
 
-The camera is computed, so that its focal length is known. The session is deleted when it has been checked: no
-calibration is stored, and no statistic counts one. A run that fails is raised, too, which Lambda counts.
+Its session is deleted: no calibration is stored or counted. Lambda counts a run that fails, since it is
+raised.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from calibdb.store.storage import storage_named
 
 
 def watch(site: str, token: str) -> tuple[CanaryRun, Exception | None]:
-    """Take the steps; return how they went, and the error that ended them."""
+    """Take the steps; return their outcome, and the error that ended them."""
     start, at = time.monotonic(), int(time.time())
     step: CanaryStep = "lookup"
     failed: Exception | None = None
@@ -34,7 +34,7 @@ def watch(site: str, token: str) -> tuple[CanaryRun, Exception | None]:
 
 
 def handler(_event: Mapping[str, Any], _context: Any) -> dict[str, Any]:
-    """Run once; note the outcome for `/healthz?deep=1`, and raise what failed."""
+    """Run once; store the outcome for `/healthz?deep=1`; raises CanaryError."""
     region = os.environ["AWS_REGION"]
     site = urljoin(os.environ["GUIDANCE_URL"], "/").rstrip("/")
     secret = os.environ.get("CANARY_TOKEN") or read_parameter(

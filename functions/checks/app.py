@@ -1,8 +1,7 @@
 """Checks: scores a consensus on fresh views of a camera, and counts the result as a vote.
 
-A calibration that the request gives is scored instead, without a vote. The consensus is taken as it is,
-reliable or not; only the poses are fitted to the views. A vote keeps the views, so that it can be counted
-again for each new consensus (`calibdb.rules.votes`).
+A calibration that the request gives is scored instead, without a vote. A vote keeps the views, so that it can
+be counted again for each new consensus (`calibdb.rules.votes`).
 """
 
 from __future__ import annotations
@@ -12,7 +11,8 @@ from starlette.responses import Response
 from calibdb.access.tokens import Ticket
 from calibdb.camera_key import public_label, public_platform
 from calibdb.compute import view_checks
-from calibdb.compute.view_checks import MeasuredViews, computing_check
+from calibdb.compute.pooled_consensus import MeasuredViews, score
+from calibdb.compute.view_checks import computing_check
 from calibdb.errors import NotFoundError
 from calibdb.http import application
 from calibdb.lookup.camera_match import consensus_of_model, find_checked
@@ -23,7 +23,7 @@ from calibdb.store import StreamMode
 
 
 def check(call: application.Call) -> Response:
-    """Return whether the consensus fits the views, and what checks say of it, or the comparison asked for."""
+    """Return whether the consensus fits the views, and its votes, or the requested comparison."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
     require_corners(request.board, request.img_size, request.views)
@@ -34,7 +34,7 @@ def check(call: application.Call) -> Response:
     mode, known = find_checked(store, request, private=thresholds.min_contributors == 1)
     with computing_check(call):
         examined = view_checks.examine(request)
-    scored = view_checks.score(request, examined, known, thresholds.max_check_ratio)
+    scored = score(request.board, examined, known, thresholds.max_check_ratio)
     counted = scored.fits is not None and vote(call, ticket, request, mode, examined)
     current = store.refit.consensus(mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
@@ -56,11 +56,7 @@ def check(call: application.Call) -> Response:
 def vote(
     call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
-    """Count the check as a vote, once.
-
-    False if the contributor, by where they are, has none, and for pictures that a calibration was made of:
-    they are not independent of it.
-    """
+    """Count the check as a vote; False if the contributor has none, or for images of a calibration."""
     service = call.service
     thresholds = service.settings.thresholds
     where = service.source(call.address)

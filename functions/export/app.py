@@ -1,7 +1,4 @@
-"""Export: one stored calibration, or one consensus, or a file of another tool, as another tool's file.
-
-Also the page of a calibration, with a head for messengers, which run no scripts.
-"""
+"""Export: calibrations, consensuses and other tools' files as other tools' files, and pages of results."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ from calibdb.lookup.reported_calibration import read_reported
 from calibdb.lookup.result_page import shared_page
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery
 
-AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
+_AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 _PAGE_LIMIT_S, _MAX_PAGE_BYTES = 3.0, 200_000
 _PAGE_TTL_S = 60
@@ -26,7 +23,7 @@ _PAGE_HEADERS = {"Cache-Control": f"public, max-age=0, s-maxage={_PAGE_TTL_S}"}
 
 
 def show(call: application.Call) -> Response:
-    """Answer with the calibration in the format asked for; what is computed for it counts as a view does."""
+    """Return the calibration in the requested format; what is computed for it counts as a view."""
     token = call.api_token()
     asked = call.query(ExportQuery)
     if asked.without or not asked.plain:
@@ -37,13 +34,12 @@ def show(call: application.Call) -> Response:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
     if asked.plain and not asked.without:
         known = read_reported(store, calibration_id, document)
-        return application.json_response(known, headers=AS_IT_IS)
-    return compute(call, document, asked)
+        return application.json_response(known, headers=_AS_IT_IS)
+    return _compute(call, document, asked)
 
 
-def compute(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
-    """Answer with what is computed for the call: without some views, or as a file."""
-    # Imported here, so that a request that only reads a calibration does not load the solver.
+def _compute(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
+    # Other requests do not load the solver.
     from calibdb.compute import exports
     from calibdb.compute.values import in_time
 
@@ -58,12 +54,12 @@ def compute(call: application.Call, document: CalibrationDocument | None, asked:
                 raise InvalidError.field("without", "a consensus has no views of its own")
             known = known.model_copy(update={"id": None})  # it is stored nowhere
         if asked.plain:
-            return application.json_response(known, headers=AS_IT_IS)
+            return application.json_response(known, headers=_AS_IT_IS)
         return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)
 
 
 def convert(call: application.Call) -> Response:
-    """Answer with another program's file in the format asked for; it counts as a view does."""
+    """Return another program's file in the requested format; it counts as a view."""
     token = call.api_token()
     asked = call.json(ConvertRequest)
     call.service.charge(token, "views", call.address)
@@ -76,23 +72,19 @@ def convert(call: application.Call) -> Response:
 
 
 def show_page(call: application.Call) -> Response:
-    """Return the site's page of results with the title of one; without an id, as it is.
-
-    It needs no credential. If it fails, the edge sends the file of the site.
-    """
+    """Return the site's page of results, with the title of one; if this fails, the edge sends the page."""
     language = call.request.path_params.get("language", "")
     if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
         raise NotFoundError("The site has no such page.")
     address = urljoin(call.service.settings.guidance_url, f"/{language}/result/index.html".replace("//", "/"))
-    page = site_page(address, int(time.time() / _PAGE_TTL_S))
+    page = _site_page(address, int(time.time() / _PAGE_TTL_S))
     if calibration_id := call.request.query_params.get("id"):
         page = shared_page(page, call.store, calibration_id)
     return Response(page, 200, _PAGE_HEADERS, "text/html")
 
 
 @functools.lru_cache(maxsize=8)
-def site_page(address: str, _period: int) -> str:
-    """Return a page of the site, read again in each period of `_PAGE_TTL_S`."""
+def _site_page(address: str, _period: int) -> str:
     return read_file(address, _PAGE_LIMIT_S, _MAX_PAGE_BYTES).decode()
 
 

@@ -1,8 +1,8 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
-A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.store.token_cache`).
-A hit by POST under a new label and platform makes `refit` store them as an alias. From then on the camera is
-also found by `GET /known/v1/<digest>/…`, which has no credential and which caches keep.
+A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.store.token_cache`). A
+hit by POST under a new label and platform makes `refit` store them as an alias, by which `GET
+/known/v1/<digest>/…` finds the camera.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCam
 from calibdb.schema.refit import FittingGroup, RefitRequest
 from calibdb.store import StreamMode
 
-# By browsers, and at the edge for the same token from the same origin; both may be refused.
 _CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
 
 # Browsers keep an answer for a minute, the edge for five: a withdrawn camera is gone from both in six.
@@ -32,13 +31,13 @@ _UNKNOWN = {"Cache-Control": "public, max-age=60, s-maxage=60", "Access-Control-
 
 
 def ask(call: application.Call) -> Response:
-    """Answer a request in a body. The older public client sends its token there, too."""
+    """Answer a request in a body, in which the older public client also sends its token."""
     call.api_token(call.json_text("api_key"))
     return _answer(call, call.json(LookupRequest))
 
 
 def visit(call: application.Call) -> Response:
-    """Answer a request in a query; with the token in `key`, a browser can navigate to it."""
+    """Answer a request in a query, with the token in `key` for navigations."""
     query = call.request.query_params
     call.api_token(query.get("key") or query.get("api_key"))
     return _answer(call, call.query(LookupRequest))
@@ -89,7 +88,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
 
 
 def _group(call: application.Call, request: LookupRequest, found: LookupResult) -> FittingGroup | None:
-    """Return the group of the camera's calibrations that fits the views sent, if they fall into groups."""
+    """Return the group of the camera's calibrations that fits the views sent, if they disagree."""
     if not request.views or found.reason != "disagree" or not found.key:
         return None
     call.require_thread()
@@ -97,7 +96,7 @@ def _group(call: application.Call, request: LookupRequest, found: LookupResult) 
 
 
 def known(call: application.Call) -> Response:
-    """Answer a lookup by the digest of label and platform: the same for all callers."""
+    """Answer a lookup by the digest of label and platform."""
     wanted = LookupQuery.of_path(call.path("size"), call.path("zoom"), call.path("file"))
     private = call.service.settings.thresholds.min_contributors == 1
     found = find_by_digest(call.store, call.path("digest"), wanted, private=private)

@@ -1,9 +1,8 @@
 """Refit: the consensus of the calibrations of one camera, at one size and zoom. Internal.
 
-It is idempotent and safe to run late, or at the same time as another: a result is written only over one
-made from less. With nothing new, it answers what is stored. A request from the queue takes the single-flight
-lease; where another holds it, the request marks the lease and ends, and the holder goes round once more. One
-that fails every time goes to the dead-letter queue. What is computed stays. The edge answers as it does.
+It is idempotent and safe to run late, or at the same time as another: a result is written only over one made
+from less. A request from the queue takes the single-flight lease; if another has it, the request marks the
+lease and ends, and the holder repeats its work. One that fails every time goes to the dead-letter queue.
 """
 
 from __future__ import annotations
@@ -24,11 +23,8 @@ MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the a
 
 @metrics.counting_denied_reads
 def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
-    """Compute, store and return the consensus of every model asked for; null if nothing is known.
-
-    From the queue of those that failed, an event holds one record of a request.
-    """
-    if "Records" in event:
+    """Compute, store and return the consensus of every requested model; null if nothing is known."""
+    if "Records" in event:  # from the dead-letter queue
         (record,) = event["Records"]
         event = json.loads(record["body"])["requestPayload"]
     request = RefitRequest.model_validate(event)

@@ -1,8 +1,7 @@
 """Rig: cameras that do not move against each other, each a session, captured together.
 
-The leader, whose session is that of camera 0, makes the rig, opens moments, undoes them and ends it. A rig
-that ends says so first in its own document, with all that its end is to be; everything after that follows
-from this document and is idempotent.
+The leader, whose session is that of camera 0, makes the rig, opens moments, undoes them and ends it. An end
+is first written to the rig's document. Everything after that follows from this document and is idempotent.
 """
 
 from __future__ import annotations
@@ -20,13 +19,10 @@ from calibdb.store import running_rigs
 
 def create(call: application.Call) -> Response:
     """Make the rig of a session, or find it, and a fresh join code."""
-    ticket = call.session(charge="poses")
+    ticket, service = call.session(charge="poses"), call.service
     request = call.json(RigRequest)
-    service = call.service
-    who, where = call.contributor(ticket)
-    code = rig_rules.code_of(service.random_hex(8))
-    secret = service.settings.contributor_secret
-    lead = running_rigs.Lead(ticket.sid, who, where)
+    lead = running_rigs.Lead(ticket.sid, *call.contributor(ticket))
+    code, secret = rig_rules.code_of(service.random_hex(8)), service.settings.contributor_secret
     opened = running_rigs.create(service.store, lead, request, code, secret, service.now)
     return application.json_response(opened, 201)
 
@@ -37,7 +33,7 @@ def show(call: application.Call) -> Response:
     by_session = call.is_session()
     if call.flag("skip"):
         sid = call.session(charge="poses").sid
-        rig_course.skip(call.with_time_for_a_rig(), store, rig_id, sid, call.now)
+        rig_course.skip(call.with_time_for_a_rig(), rig_id, sid)
     elif not by_session:
         call.api_token()
     else:
@@ -48,33 +44,33 @@ def show(call: application.Call) -> Response:
         return Response(status_code=304, headers={"ETag": tag})
     if by_session:
         call.session(charge="poses")
-    return state_response(call, rig_id)
+    return _state_response(call, rig_id)
 
 
 def open_moment(call: application.Call) -> Response:
-    """Open a moment: from now on cameras may send views of it."""
+    """Open a moment, of which cameras may then send views."""
     sid = call.session(charge="poses").sid
     moment, rig_id = call.json(MomentRequest).moment, call.path("id")
     running_rigs.open_moment(call.store, rig_id, sid, moment, call.now)
-    return state_response(call, rig_id, 201)
+    return _state_response(call, rig_id, 201)
 
 
 def undo_moment(call: application.Call) -> Response:
     """Undo a moment in all cameras. Views of it that come late do not count."""
     sid = call.session(charge="views").sid
-    rig_id, moment, service = call.path("id"), call.path("moment"), call.service
-    rig_course.undo_moment(call.with_time_for_a_rig(), service.store, rig_id, sid, moment, service.now)
-    return state_response(call, rig_id)
+    rig_id = call.path("id")
+    rig_course.undo_moment(call.with_time_for_a_rig(), rig_id, sid, call.path("moment"))
+    return _state_response(call, rig_id)
 
 
 def finish(call: application.Call) -> Response:
-    """End the rig with the moments that agree: fix its result, then publish it and its cameras."""
+    """End the rig with the moments that agree, and publish it and its cameras."""
     sid = call.session(charge="views").sid
-    rig_id, service = call.path("id"), call.service
-    ended = rig_course.finish(call.with_time_for_a_rig(), service.store, rig_id, sid, service.now)
+    rig_id = call.path("id")
+    ended = rig_course.finish(call.with_time_for_a_rig(), rig_id, sid)
     if ended:
-        metrics.count(service.clock(), Calibrations=ended)
-    return state_response(call, rig_id)
+        metrics.count(call.service.clock(), Calibrations=ended)
+    return _state_response(call, rig_id)
 
 
 def forget(call: application.Call) -> Response:
@@ -91,7 +87,7 @@ def result(call: application.Call) -> Response:
     token = call.api_token() if ticket is None else call.service.token_of(ticket)
     if name not in exports.RIG_WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
-    state, _ = rig_course.state_of(call, call.store, call.path("id"), running=False)
+    state, _ = rig_course.state_of(call, call.path("id"), running=False)
     if state.result is None:
         raise NotFoundError("This rig has no result yet: its leader finishes it.", kind="rig-unfinished")
     if name == "json":
@@ -100,9 +96,8 @@ def result(call: application.Call) -> Response:
     return exports.file_response(exports.rig_file(call.with_time_for_a_rig(), state.result, name))
 
 
-def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
-    """Answer with the state of a rig, running or finished; raises NotFoundError."""
-    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.store, rig_id)
+def _state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
+    state, tag = rig_course.state_of(call.with_time_for_a_rig(), rig_id)
     return application.json_response(state, status, {"ETag": tag})
 
 

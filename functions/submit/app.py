@@ -1,9 +1,8 @@
 """Submit: decide on a view, refit the camera and choose the next pose; undo a view; finish a recording.
 
-The view that makes a live session converge ends it; a recorded session, whose views are all there already, is
-ended by its client. Then the calibration is published and its consensus asked for. The session's own document
-says so first. Everything after that follows from this document and is idempotent:
-a client that repeats a view whose answer it missed completes what a crash left undone.
+The view that makes a live session converge ends it; a recorded session is ended by its client. An end is
+first written to the session's document. Everything after that follows from this document and is idempotent: a
+client that repeats its last view completes what a crash left undone.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from calibdb.store import endings, running_rigs
 
 
 def submit(call: application.Call) -> Response:
-    """Answer whether the view became part of the session, and the session's state."""
+    """Judge a view; respond with its result and the session's state."""
     ticket = call.session(charge="views")
     request = call.json(ViewRequest)
     service = call.service
@@ -37,17 +36,14 @@ def submit(call: application.Call) -> Response:
 
     with computing_views(call):
         document, judged = service.store.sessions.update(ticket.sid, service.now, change)
-    count(call, judged)
+    _count(call, judged)
     if document.finish is not None:
         endings.publish(service.store, document)
     return application.json_response(view_answer(document, judged.reason, judged.hint))
 
 
 def submit_batch(call: application.Call) -> Response:
-    """Judge several views of a recording in their order; respond with their results and the session's state.
-
-    Views that the request has no time left to judge have no result.
-    """
+    """Judge several views of a recording; views for which no time is left have no result."""
     sid = call.session(charge="views").sid
     request = call.json(BatchRequest, depth=2)
     service = call.service
@@ -59,12 +55,12 @@ def submit_batch(call: application.Call) -> Response:
     with computing_views(call):
         batch = service.store.sessions.update(sid, service.now, change)
     for judged in batch.judged:
-        count(call, judged)
+        _count(call, judged)
     return application.json_response(batch_answer(batch.document, batch.results))
 
 
 def remove(call: application.Call) -> Response:
-    """Undo: answer with the state of the session without one of its views."""
+    """Undo a view."""
     sid = call.session(charge="views").sid
     index, now = call.index("index"), call.now
     with computing_views(call):
@@ -75,7 +71,7 @@ def remove(call: application.Call) -> Response:
 
 
 def finish(call: application.Call) -> Response:
-    """End a session with the views that agree, however accurate they are, and answer with its state."""
+    """End a session with the views that agree, however accurate they are."""
     ticket = call.session(charge="views")
     service = call.service
     who, where = call.contributor(ticket)
@@ -88,15 +84,14 @@ def finish(call: application.Call) -> Response:
 
 
 def license_views(call: application.Call) -> Response:
-    """Add the contributor's licence to a session and to what it published; answer with its state."""
+    """Add the contributor's licence to a session and to what it published."""
     sid = call.session(charge="views").sid
     request = call.json(LicenceRequest)
     document = endings.license_session(call.store, sid, request, call.now)
     return application.json_response(state(document))
 
 
-def count(call: application.Call, judged: Judgement) -> None:
-    """Have a judgement counted; nothing of a view that was judged before."""
+def _count(call: application.Call, judged: Judgement) -> None:
     if judged.measurements:
         metrics.count(call.service.clock(), reason=judged.reason, **judged.measurements)
 

@@ -1,7 +1,7 @@
 """Tokens: people make API tokens for themselves, prove their origins, watch their use, rotate and revoke.
 
-Nothing here depends on what others have: an origin may have any number of tokens, each proved by a line of
-its own, and no response reveals whether there are any.
+An origin may have any number of tokens, each with its own proof, and no response reveals whether there are
+any.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from calibdb.store.token_cache import retry_after
 
 
 def create(call: application.Call) -> Response:
-    """Make a token; its two secrets are shown only once."""
+    """Make a token."""
     call.require_json_of_the_site()
     request, service = call.json(TokenRequest), call.service
     sender, limit = service.source(call.address), service.settings.max_new_tokens
@@ -36,18 +36,18 @@ def create(call: application.Call) -> Response:
 
 
 def show(call: application.Call) -> Response:
-    """Answer with the token's facts and use."""
+    """Show the token's facts and use."""
     return _token_response(call, _living(call))
 
 
 def change(call: application.Call) -> Response:
-    """Give the token other origins or another name; an origin that it keeps stays as it is."""
+    """Give the token other origins or another name."""
     token = _living(call)
     return _token_response(call, managed_tokens.change(call.store, token, call.json(TokenChange)))
 
 
 def verify(call: application.Call) -> Response:
-    """Look for the proofs of all pending origins. May be repeated: it returns the current state."""
+    """Look for the proofs of all pending origins."""
     token = _living(call)
     service = call.service
     failures: dict[str, ProofFailure] = {}
@@ -58,7 +58,7 @@ def verify(call: application.Call) -> Response:
 
 
 def rotate(call: application.Call) -> Response:
-    """Give the token another secret, shown only once; the previous one stays valid for a while."""
+    """Give the token another secret; the previous one stays valid for a while."""
     token, service = _living(call), call.service
     request = call.json(RotationRequest) if call.body else RotationRequest()
     secret = service.random_hex(managed_tokens.SECRET_BYTES)
@@ -70,13 +70,13 @@ def rotate(call: application.Call) -> Response:
 
 
 def revoke(call: application.Call) -> Response:
-    """Revoke the token for good. Idempotent."""
+    """Revoke the token for good; idempotent."""
     call.store.tokens.revoke(call.managed_token(), call.now)
     return application.no_content()
 
 
 def usage(call: application.Call) -> Response:
-    """Answer with the use of the API token in this hour."""
+    """Show the use of the API token in this hour."""
     token = call.api_token()
     service, now = call.service, call.now
     allowed = service.plan_of(token)

@@ -66,7 +66,7 @@ class Service:
 
     @classmethod
     def of_process(cls) -> Service:
-        """Return the service of this process; one and the same for equal settings.
+        """Return the service of this process, one for equal settings.
 
         The environment is read once, its secrets again every five minutes.
         """
@@ -81,7 +81,7 @@ class Service:
     @classmethod
     @contextmanager
     def in_server(cls) -> Iterator[None]:
-        """Make `of_process` return one service, with a thread that writes what no response needs."""
+        """Make `of_process` return one service within the block, with a thread for pending writes."""
         global _of_server
         service = cls.make(_ProcessSettings.read().settings, in_background=True)
         stopping = threading.Event()
@@ -114,7 +114,7 @@ class Service:
             self._writes.append(write)
 
     def write_pending(self) -> None:
-        """Write the lookups that were counted, and what `write_later` has gathered."""
+        """Write counted lookups, and run what `write_later` has gathered."""
         try:
             self._tokens.write_pending()
             while self._writes:
@@ -125,11 +125,7 @@ class Service:
     @classmethod
     @contextmanager
     def override(cls, make: Callable[[Settings], Service]) -> Iterator[None]:
-        """Have `of_process` return `make(settings)` within the block, in every thread.
-
-        For tests and measurements: a function's service with another clock or cache. `make` is called for
-        each request; it may return the same service each time.
-        """
+        """Have `of_process` return `make(settings)` within the block, for tests and measurements."""
         global _maker
         before = _maker
         _maker = make
@@ -140,14 +136,14 @@ class Service:
 
     @classmethod
     def forget(cls) -> None:
-        """Forget the environment and the services of it, as both are others from here on."""
+        """Forget the environment and its services."""
         global _settings
         _settings = None
         _remembered.cache_clear()
 
     @classmethod
     def make(cls, settings: Settings, *, in_background: bool = False) -> Service:
-        """Return a new service of `settings`; `in_background`: as of `build`."""
+        """Return a new service of `settings`."""
         plans = multiplied(settings.plan_factors)
         return cls.build(settings, Store.of(settings), plans=plans, in_background=in_background)
 
@@ -163,7 +159,7 @@ class Service:
         *,
         in_background: bool = False,
     ) -> Service:
-        """Put a service together from its parts; `in_background`: `write_pending` is called every second."""
+        """Put a service together; `in_background`: `write_pending` is called once per `WRITE_INTERVAL_S`."""
         ids = SessionIds(settings.session_secrets, clock)
         tokens = TokenCache(
             store.tokens, store.quotas, clock, token_ttl_s, plans, in_background=in_background
@@ -177,16 +173,16 @@ class Service:
         return int(self.clock())
 
     def ticket(self, token: ApiToken, origin: str | None) -> Ticket:
-        """Return a new session's ticket. Session names sort by the time of their start."""
+        """Return a new session's ticket. Names of sessions sort by the time of their start."""
         return Ticket(
             f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
-        """Return the token that `text` is; raises ForbiddenError if it is unknown or its secret is wrong.
+        """Return the token that `text` is; raises ForbiddenError.
 
-        A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
-        The first use of a token is written, in a server later; else `before_write` is called before.
+        A token is cached for half a minute. Its first use is written, in a server later; else `before_write`
+        is called before.
         """
         token_id, secret = parse(text) or ("", "")
 
@@ -208,9 +204,9 @@ class Service:
         return token
 
     def managed_token(self, text: str) -> ApiToken:
-        """Return the token that the management token `text` manages, be it revoked, as the bucket has it.
+        """Return the token, revoked or not, that the management token `text` manages, as the bucket has it.
 
-        Raises ForbiddenError, the same, and as fast, for unknown tokens and wrong secrets.
+        Raises ForbiddenError, the same and as fast for unknown tokens and wrong secrets.
         """
         parts = parse(text, "cdbm")
         token = self.store.tokens.read(parts[0]) if parts else None
@@ -248,16 +244,15 @@ class Service:
         return source(self.settings.contributor_secret, address)
 
     def count_lookup(self, token: ApiToken, address: str) -> tuple[RateLimit, ...]:
-        """Count a read with an API token, in memory, and return what is left; raises TooManyError."""
+        """Count a read with an API token in memory, and return what is left; raises TooManyError."""
         return self._tokens.count_lookup(token, *self._shares(token, address))
 
     def charge(self, token: ApiToken, kind: Kind, address: str) -> tuple[RateLimit, ...]:
         """Count a call against this hour's share of the contributor, of their line, of all; TooManyError.
 
-        In this order, so that a contributor without a share left takes nothing from the others any more.
+        In this order, so that an exhausted contributor takes nothing from the others.
         """
-        allowed = plan(token.plan, self._plans)
-        now = self.now
+        allowed, now = self.plan_of(token), self.now
         each, together = getattr(allowed.each, kind), getattr(allowed.together, kind)
         who, line = self._shares(token, address)
         limits = [(each, who), (together, "")]
@@ -284,10 +279,8 @@ class Service:
 
 @dataclass(frozen=True)
 class _ProcessSettings:
-    """Settings of this process, and the time by `time.monotonic` until which their secrets are current."""
-
     settings: Settings
-    until: float
+    until: float  # which the secrets are current, by `time.monotonic`
 
     @classmethod
     def read(cls) -> _ProcessSettings:

@@ -19,10 +19,9 @@ from calibdb.schema.rig import RIG_FORMATS, RigResult
 from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
 from calibsolver.formats import ExportedFile, ExportSource
 
-COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
-"""Advice in messages of the solver to those who use the operator's command line."""
-MAX_MESSAGE = 1000
-"""Characters of what the solver says about a file, which may quote the file."""
+# In messages of the solver: advice to users of the command line; and they may quote a file.
+_COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
+_MAX_MESSAGE_LENGTH = 1000
 RIG_WRITERS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
 
 
@@ -50,13 +49,13 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
 def to_file(
     found: ReportedCalibration, document: CalibrationDocument | None, query: ExportQuery
 ) -> ExportedFile:
-    """Write the calibration as a file; raises InvalidError if the format cannot hold it."""
+    """Write the calibration as a file; raises InvalidError if the format cannot contain it."""
     board: Board | None = None
     views: tuple[View, ...] = ()
     if document is not None:
         board = board_of(document.board)
         views = tuple(views_of(board, document.views))
-    subject = formats.ExportSource(
+    source = ExportSource(
         camera=camera_of(found),
         views=views,
         board=board,
@@ -77,17 +76,18 @@ def to_file(
             change = change.then(image_transform.mirror(change.img_size))
     except CalibrationError as error:
         raise InvalidError.field("crop" if query.crop else "resize", error.message) from error
+    return _write(source, query.format, change)
+
+
+def _write(source: ExportSource, name: str, change: image_transform.Transform | None = None) -> ExportedFile:
     try:
-        return formats.write(subject, query.format, change)
+        return formats.write(source, name, change)
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
 
 
 def convert_file(request: ConvertRequest) -> ExportedFile:
-    """Return the camera of a file, written in another format.
-
-    Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
-    """
+    """Write the camera of a file in another format; raises InvalidError."""
     from calibsolver.formats.base import ReaderOptions
     from calibsolver.formats.reading import read_bytes
 
@@ -95,26 +95,21 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
         img_size=request.img_size, number=request.number, model=request.distortion_model or ""
     )
     try:
-        camera_file = read_bytes(content_of(request), "", options)
+        camera_file = read_bytes(_content_of(request), "", options)
     except CalibrationError as error:
-        said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
+        said = _COMMAND_LINE.sub("", visible(str(error)[:_MAX_MESSAGE_LENGTH]))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
     if camera_file.camera is None:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
     name = request.camera or label_text(camera_file.name) or "camera"
-    source = formats.ExportSource(
-        camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0}
-    )
+    source = ExportSource(camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
     if request.format == "photonvision" and camera_file.views:
-        source = with_corners(source, camera_file.views)
-    try:
-        return formats.write(source, request.format)
-    except CalibrationError as error:
-        raise InvalidError.field("format", error.message) from error
+        source = _with_corners(source, camera_file.views)
+    return _write(source, request.format)
 
 
 def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
-    """Make the response of a file; headers say how far it is from what was to be written."""
+    """Make the response of a file, with how far it is from the camera that was to be written."""
     headers = {
         "Content-Disposition": f'attachment; filename="{file.filename}"',
         "X-Conversion-Error": f"{file.error:.6g}",
@@ -126,8 +121,8 @@ def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Respons
     return Response(file.content, 200, headers, file.media_type)
 
 
-def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
-    """Return the source with the corners that its file has: pages read them of PhotonVision's files alone."""
+def _with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
+    """Return the source with the corners of its file: pages read only PhotonVision's."""
     from calibsolver.formats.grid import grid
 
     try:
@@ -141,18 +136,17 @@ def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
     return replace(source, board=board, views=views_on_board)
 
 
-def content_of(request: ConvertRequest) -> bytes:
-    """Return the bytes of the file."""
+def _content_of(request: ConvertRequest) -> bytes:
     if request.encoding == "text":
         return request.file.encode()
     try:
         return base64.b64decode(request.file, validate=True)
-    except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
+    except ValueError as error:
         raise InvalidError.field("file", f"it is not base64: {error}") from error
 
 
 def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
-    """Write a result in a format; raises InvalidError if the format cannot hold it."""
+    """Write the result of a rig; raises InvalidError if the format cannot contain it."""
     from calibsolver.rig import formats as rig_formats
 
     source = rig_formats.RigSource(

@@ -25,23 +25,20 @@ from calibdb.store.votes import IndexedVote
 from calibsolver import Board, CalibrationError, DeadlineError
 from calibsolver.consensus.mode import fitting_camera
 
-MAX_ROUNDS = 5  # of one computation for concurrent callers; then it is their turn
+MAX_ROUNDS = 5  # of one computation for concurrent callers
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
-MAX_PUTS = 5  # while other writers keep winning the conditional put
+MAX_PUTS = 5  # while other writers win the conditional put
 
 POOLING_VERSION = 6  # of pooling and counting: results of another version are recomputed
 
 Consensuses = dict[str, ConsensusDocument | None]
-Stored = Mapping[str, ConsensusDocument]
-Guard = AbstractContextManager[None] | None
 
 
 @contextmanager
 def alone(service: Service, mode: StreamMode, models: Sequence[str], context: Any) -> Iterator[None]:
-    """Wait until no other invocation computes the same for a waiting client; raises UnavailableError.
+    """Wait until no other invocation computes the same, as for a client that repeats a slow request.
 
-    Clients repeat slow requests; without this, each repetition would start another computation. After the
-    wait, the result is usually there.
+    Raises UnavailableError.
     """
     leases, me, name = service.store.leases, str(context.aws_request_id), f"NOW#{'+'.join(models)}"
     for pause in (*WAITS_S, None):
@@ -79,17 +76,17 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     finally:
         if not done:
             leases.abandon(mode, me)
-    # The queue delivers this request again, after a while, and requests until then start a computation.
+    # The queue delivers this request again.
     raise UnavailableError("New calibrations of this camera keep arriving; try again.")
 
 
 def ensure_current(
-    service: Service, mode: StreamMode, models: Sequence[str], guard: Guard = None
+    service: Service,
+    mode: StreamMode,
+    models: Sequence[str],
+    guard: AbstractContextManager[None] | None = None,
 ) -> Consensuses:
-    """Return each model's consensus as it follows from the index; compute and store those that are stale.
-
-    `guard`: entered before anything is computed; reads need none.
-    """
+    """Return each model's consensus; compute and store those that are stale, within `guard`."""
     with ExitStack() as guarded:
         if guard is not None:
             consensuses = _try_once(service, mode, models, compute=False)
@@ -106,13 +103,10 @@ def ensure_current(
 def _try_once(
     service: Service, mode: StreamMode, models: Sequence[str], *, compute: bool
 ) -> Consensuses | None:
-    """Do what `ensure_current` does; None if another writer won a conditional put.
-
-    Without `compute`, None also if something is stale.
-    """
+    """Do as `ensure_current`; None if another writer won, or if a stale one is not to be computed."""
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.
-    stored: Stored = {c.distortion_model: c for c in store.consensuses.at(mode)}
+    stored: Mapping[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
     counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
     if not counted:
         return _drop(service, mode, models, stored)
@@ -127,7 +121,7 @@ def _try_once(
 
 @dataclass(frozen=True)
 class Inputs:
-    """Calibrations and votes of a mode that its consensuses are computed from, and their digests."""
+    """Calibrations and votes that the consensuses of a mode are computed from, and their digests."""
 
     mode: StreamMode
     counted: Sequence[CountedCalibration]
@@ -137,9 +131,9 @@ class Inputs:
 
 
 def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
-    """Compute and store what `steps` ask for; None if another writer won a conditional put.
+    """Compute and store the `steps`; None if another writer won a conditional put.
 
-    Raises UnavailableError if the time is up. What was stored until then is whole.
+    Raises UnavailableError if the time is up; each consensus stored until then is complete.
     """
     store, thresholds, mode = service.store, service.settings.thresholds, inputs.mode
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
@@ -162,7 +156,7 @@ def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensus
                 break
             written += 1
         consensuses[step.model] = document
-    # Even when another writer won: it may have looked before the first of these was written.
+    # Even if another writer won: it may have looked before the first of these was written.
     if written:
         well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
     if late:
@@ -170,8 +164,10 @@ def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensus
     return consensuses if len(consensuses) == len(steps) else None
 
 
-def _drop(service: Service, mode: StreamMode, models: Sequence[str], stored: Stored) -> Consensuses | None:
-    """Drop the consensuses of a mode without calibrations; None if another writer changed one meanwhile."""
+def _drop(
+    service: Service, mode: StreamMode, models: Sequence[str], stored: Mapping[str, ConsensusDocument]
+) -> Consensuses | None:
+    """Drop the consensuses of a mode without calibrations; None if another writer changed one."""
     gone = [stored[model] for model in models if model in stored]
     dropped = all(map(service.store.consensuses.drop, gone))
     if gone and dropped:
@@ -180,17 +176,14 @@ def _drop(service: Service, mode: StreamMode, models: Sequence[str], stored: Sto
 
 
 def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews) -> FittingGroup | None:
-    """Return the one group of calibrations that fits the views, by its most certain calibration.
-
-    None if no group does, or several do. Nothing is stored.
-    """
+    """Return the only group of calibrations that fits the views, by its most certain one, else None."""
     behind = service.store.consensuses.groups(document)
     if behind is None or len(behind.groups) < 2:
         return None
     ids = [one for group in behind.groups for one in group]
     documents = {d.id: d for d in service.store.calibrations.read(ids)}
-    groups = [[documents[one] for one in group if one in documents] for group in behind.groups]
-    groups = [group for group in groups if group]
+    stored = ([documents[one] for one in group if one in documents] for group in behind.groups)
+    groups = [group for group in stored if group]
     model = document.distortion_model
 
     def rank(d: CalibrationDocument) -> tuple[bool, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -27,15 +28,14 @@ from calibsolver.capture import Estimate, ViewDecision
 from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.guidance import TargetPose
 
-MIN_BATCH_S = 1.0
-"""Time left of a request, s, below which a batch begins no further view: the advice needs it."""
+_MIN_BATCH_S = 1.0  # below which a batch begins no further view: the advice needs the time
 
 
 @contextmanager
 def computing_views(call: Call) -> Iterator[None]:
-    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short.
+    """Compute in the time of the call.
 
-    Raises InvalidError if the corners leave the camera undetermined.
+    Raises ConflictError or UnavailableError if that is too short, InvalidError for a degenerate view.
     """
     slow = "These corners take longer to compute than a request may; send fewer of them in each view."
     try:
@@ -86,23 +86,16 @@ class Batch:
 class Course:
     """Course of one session while views are offered to it.
 
-    Parameters
-    ----------
-    document
-        The session. The attribute has the session with all views accepted since.
-    now
-        Unix seconds.
-    who, where
-        Keyed hashes of the contributor and of their source, for a live session, which a view may end.
-    explains
-        False: views are judged without advice, which `explain` adds.
+    `document`: the session with all views accepted so far. `who`, `where`: keyed hashes of the contributor
+    and of their source. `explains`: False: views are judged without advice, which `explain` adds.
     """
 
     def __init__(
         self, document: SessionDocument, now: int, who: str = "", where: str = "", *, explains: bool = True
     ) -> None:
         self.document = document
-        self._now, self._who, self._where, self._explains = now, who, where, explains
+        self._now, self._explains = now, explains
+        self._end = functools.partial(_end, now=now, who=who, where=where)
         self._estimate: Estimate | None = None
         self._session = Session.of(document)
 
@@ -139,10 +132,8 @@ class Course:
         if not (estimate.converged or rules.recorded):
             unreached = target_poses((*document.unreached, *document.skipped))
             following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-        document_of_fit, statuses = estimate_document(estimate, self._now), view_statuses(estimate)
-        changed = session_rules.with_view(
-            document, view, document_of_fit, statuses, following, decision.on_target
-        )
+        stored = estimate_document(estimate, self._now), view_statuses(estimate)
+        changed = session_rules.with_view(document, view, *stored, following, decision.on_target)
         if estimate.converged:
             changed = self._end(changed, estimate, everything) or changed
         self.document, self._estimate = changed, estimate
@@ -154,25 +145,15 @@ class Course:
         if self._estimate is not None:
             with suppress(DeadlineError):
                 estimate = self._session.rules.explain(self._session.views, self._estimate)
-                self.document = session_rules.with_advice(
-                    self.document, estimate_document(estimate, self._now)
-                )
-
-    def _end(
-        self, document: SessionDocument, estimate: Estimate, views: Sequence[View]
-    ) -> SessionDocument | None:
-        return _end(document, estimate, views, self._now, self._who, self._where)
+                stored = estimate_document(estimate, self._now)
+                self.document = session_rules.with_advice(self.document, stored)
 
 
 def judge_batch(
     document: SessionDocument, request: BatchRequest, now: int, seconds_left: Callable[[], float]
 ) -> Batch:
     """Judge the views of a batch in their order, as many as the time allows."""
-    session_rules.require_recorded(document)
-    replayed = session_rules.replayed_views(document, request.index, request.views)
-    if None in replayed:
-        session_rules.require_open(document)
-    session_rules.validate_batch(document, request.views, replayed)
+    replayed = session_rules.validate_batch(document, request.index, request.views)
     course = Course(document, now, explains=False)
     results: list[BatchResult] = []
     judgements: list[Judgement] = []
@@ -180,7 +161,7 @@ def judge_batch(
         if replay is not None:
             results.append(accepted_result(replay))
             continue
-        if results and seconds_left() < MIN_BATCH_S:
+        if results and seconds_left() < _MIN_BATCH_S:
             break
         sent = ViewDocument(index=course.document.next_index, ids=view.ids, points=view.points)
         try:
@@ -230,15 +211,12 @@ def without_views(
     if with_target:
         unreached = target_poses(document.unreached)
         target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
-    document_of_fit, statuses = estimate_document(estimate, now), view_statuses(estimate)
-    return session_rules.with_views(document, left, document_of_fit, statuses, target)
+    stored = estimate_document(estimate, now), view_statuses(estimate)
+    return session_rules.with_views(document, left, *stored, target)
 
 
 def finished(document: SessionDocument, now: int, who: str, where: str | None) -> SessionDocument:
-    """End a session with the views that agree, however accurate they are.
-
-    Raises CalibrationError if no camera explains the views.
-    """
+    """End a session with the views that agree; raises CalibrationError if no camera explains them."""
     session = Session.of(document)
     estimate = session.estimate().with_cause(session.views)
     estimate = replace(estimate, progress=1.0, end="asked")
@@ -257,8 +235,7 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
 
 
 def _with_estimate(document: SessionDocument, estimate: Estimate, now: int) -> SessionDocument:
-    stored = estimate_document(estimate, now)
-    return session_rules.with_estimate(document, stored, view_statuses(estimate))
+    return session_rules.with_estimate(document, estimate_document(estimate, now), view_statuses(estimate))
 
 
 def _end(
@@ -269,7 +246,7 @@ def _end(
     who: str,
     where: str | None,
 ) -> SessionDocument | None:
-    """Return the document of a session that ends with this estimate of its views; None without a fit."""
+    """End a session with this estimate of its views; None without a fit."""
     from calibsolver.quality import report  # only an end needs it
     from calibsolver.quality.rivals import with_rivals
 

@@ -18,7 +18,7 @@ from calibsolver.guidance import TargetPose
 
 @dataclass(frozen=True)
 class Session:
-    """A session as the solver's values: the rules of the capture, its views, and those excluded."""
+    """A session as the solver's values."""
 
     rules: Capture
     views: list[View]
@@ -66,10 +66,8 @@ def target_poses(records: Sequence[Mapping[str, JsonValue]]) -> tuple[TargetPose
 
 def history_of(document: SessionDocument) -> History:
     """Return the course of a session so far."""
-    views = document.views
-    return History(
-        tuple(v.stated for v in views), tuple(bool(v.on_target) for v in views), document.duplicates
-    )
+    stated = tuple(view.stated for view in document.views)
+    return History(stated, tuple(bool(view.on_target) for view in document.views), document.duplicates)
 
 
 def estimate_document(estimate: Estimate, now: int) -> EstimateDocument:

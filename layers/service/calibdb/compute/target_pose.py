@@ -9,7 +9,7 @@ from typing import Literal
 
 from calibdb.compute.session_course import open_target
 from calibdb.compute.session_values import Session, current_camera, target_poses
-from calibdb.compute.values import in_time
+from calibdb.compute.values import camera_of, in_time
 from calibdb.errors import ConflictError
 from calibdb.http.call import Call
 from calibdb.rules import session_rules
@@ -23,7 +23,7 @@ PictureFormat = Literal["jpeg", "png"]
 
 @contextmanager
 def choosing_target(call: Call) -> Iterator[None]:
-    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
+    """Compute in the time of the call; raises ConflictError or UnavailableError."""
     slow = "The views take longer to compute than a request may; undo one."
     try:
         with in_time(call, ConflictError(slow, kind="too-slow")):
@@ -49,22 +49,18 @@ class DrawnTarget:
 
     @classmethod
     def of_rig(cls, document: SessionDocument, target: RigTarget, fit: FitRecord | None) -> DrawnTarget:
-        """Draw the target of the rig that a session is in, for its camera.
+        """Draw the target of the session's rig; raises ConflictError if it is for other cameras.
 
-        `fit`: of the camera in the rig; None: the session's own. Raises ConflictError if the target is for
-        other cameras.
+        `fit`: of the camera in the rig; None: the session's own.
         """
         position = None if document.rig is None else document.rig.position
         view = next((one for one in target.cameras if one.position == position), None)
         if view is None:
             raise not_in_view()
         rules = Session.of(document).rules
-        if fit is not None:
-            document = document.model_copy(
-                update={"estimate": document.estimate.model_copy(update={"fit": fit})}
-            )
+        camera = current_camera(document, rules) if fit is None else camera_of(fit)
         values = {**view.model_dump(), "purpose": target.purpose, "gain": 0.0}
-        return cls(rules.board, current_camera(document, rules), TargetPose.from_dict(values))
+        return cls(rules.board, camera, TargetPose.from_dict(values))
 
     def pose(self, index: int) -> Pose:
         """Return the target as numbers; `index`: of the view that answers it."""
@@ -76,7 +72,7 @@ class DrawnTarget:
 
 
 def not_in_view() -> ConflictError:
-    """Make the error of a camera that the rig's target is not for."""
+    """Return the error of a camera that the rig's target is not for."""
     return ConflictError(
         "This camera is not to see the board now: the target is for others.", kind="not-in-view"
     )

@@ -27,46 +27,25 @@ _CROPPED_SIGMA = 0.25  # of a stream that the browser cuts by an unknown amount
 
 @dataclass(frozen=True)
 class EstimateQuery:
-    """Camera and size to estimate, and what is known of it apart from its label.
-
-    Attributes
-    ----------
-    cropped
-        The browser cuts the stream.
-    evidence
-        Calibrations and reports about this very camera, already for this size and zoom.
-    """
+    """Camera and size to estimate."""
 
     camera: str
     platform: str
     img_size: tuple[int, int]
     zoom: float = 0.0
-    cropped: bool = False
+    cropped: bool = False  # by the browser
     evidence: tuple[Evidence, ...] = ()
+    """Calibrations and reports of this camera, for this size and zoom."""
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """Distribution of `log_tan` along the longer side: centre and 90 % interval, and what it rests on."""
+    """Distribution of `log_tan` along the longer side, with a 90 % interval and the best evidence."""
 
     centre: float
     low: float
     high: float
     best: Evidence
-
-
-def distribution(query: EstimateQuery, knowledge: Knowledge) -> Distribution:
-    """Combine the evidence about a camera."""
-    system = system_of(query.platform)
-    device = device_of(identify(query.camera, query.platform), system)
-    # The zoom of a photograph is its focal length, mm: what is published about a model is of its own.
-    change, sigma = (0.0, 0.0) if system.is_file else zoom_change(query.zoom)
-    if query.cropped:
-        sigma = math.hypot(sigma, _CROPPED_SIGMA)
-    stated = list(query.evidence)
-    if (public := knowledge.published(device, query.img_size)) is not None:
-        stated.append(public.shifted(change, sigma))
-    return combine_evidence(knowledge, device, query.img_size, stated, change, sigma)
 
 
 def combine_evidence(
@@ -79,15 +58,15 @@ def combine_evidence(
 ) -> Distribution:
     """Combine statements about one camera with the distribution of its family, else of its kind.
 
-    `change`, `sigma`: of `log_tan` by zoom and crop, which `stated` has already.
+    `change`, `sigma`: of `log_tan` by zoom and crop, which `stated` includes.
     """
     family = knowledge.family(device, size)
     group = family or knowledge.population(device, size)
     prior = Evidence("family" if family else "population", group.median, group.sigma).shifted(change, sigma)
     if not stated:
         return _prior_only(prior, group, change, sigma)
-    # What is published about the model is a distribution of its units already. Else the family is a weak
-    # prior, so that one wrong statement about the camera widens the interval.
+    # Published values are a distribution of the model's units. Without them the family is a weak prior, so
+    # that one wrong statement widens the interval.
     if not any(e.basis == "published" for e in stated):
         stated = [*stated, replace(prior, sigma=_PRIOR_WIDENING * prior.sigma)]
     mean, total = combine(stated)
@@ -104,8 +83,17 @@ def _prior_only(prior: Evidence, population: Population, change: float, sigma: f
 
 @functools.lru_cache(maxsize=256)
 def estimate(query: EstimateQuery) -> Estimate:
-    """Estimate a camera. Every valid query has an answer; the same one has the same answer."""
-    result = distribution(query, default_knowledge())
+    """Estimate a camera."""
+    knowledge, system = default_knowledge(), system_of(query.platform)
+    device = device_of(identify(query.camera, query.platform), system)
+    # The zoom of a photograph is its focal length, mm, to which published values refer.
+    change, sigma = (0.0, 0.0) if system.is_file else zoom_change(query.zoom)
+    if query.cropped:
+        sigma = math.hypot(sigma, _CROPPED_SIGMA)
+    stated = list(query.evidence)
+    if (public := knowledge.published(device, query.img_size)) is not None:
+        stated.append(public.shifted(change, sigma))
+    result = combine_evidence(knowledge, device, query.img_size, stated, change, sigma)
     w, h = query.img_size
     best = result.best
     half_long = max(w, h) / 2
@@ -129,7 +117,7 @@ def estimate(query: EstimateQuery) -> Estimate:
 
 
 def _radius(theta: float, lens: Sequence[float]) -> float | None:
-    """Distance from the centre, focal lengths, of a ray by a fisheye lens; None without one, or beyond it."""
+    """Distance from the centre, focal lengths, of a ray by a fisheye lens; None without one or beyond it."""
     if not lens:
         return None
     t = theta * theta

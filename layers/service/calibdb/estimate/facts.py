@@ -2,16 +2,14 @@
 
 A row is a field of view or a focal length of one model, at one size or aspect and in one mode. The columns:
 
-* `kind`, `maker`, `model`: the product. Kinds: `calibdb.estimate.device`.
+* `kind`, `camera`: as of `calibdb.estimate.device.Device`.
 * `words`: words of its label, lower case; alternatives separated by `;`. Empty: a sample of its kind only.
 * `usb`, `devices`: USB ids and identifiers of phones (`iphone17,3`, `sm-g975f`), separated by `;`.
-* `camera`: of a phone: `wide`, `ultrawide`, `tele`, `front`.
-* `mode`: field-of-view switch or the like; empty: the only one. Rows that differ in it are alternatives.
+* `mode`: such as of a field-of-view switch; empty: the only one. Rows that differ in it are alternatives.
 * `width`, `height`: size in px, or an aspect such as 16, 9.
-* `quantity`, `value`, `sigma`: as `angles.log_tan` takes them; sigma is that of the row itself.
-* `n`: calibrations that it stands for. `what`: calibration, specification, reported, measurement.
+* `quantity`, `value`, `sigma`: as of `angles.log_tan`; sigma is that of the row.
+* `n`: number of its calibrations. `what`: calibration, specification, reported, measurement.
 * `distortion`: `fisheye k1 k2 k3 k4`, if the lens is one.
-* `title`, `url`, `licence`: of the source.
 """
 
 from __future__ import annotations
@@ -86,12 +84,12 @@ def rows() -> list[dict[str, str]]:
 
 @functools.cache
 def all_facts() -> tuple[Fact, ...]:
-    """Read the table: once in a process, and not before a lookup misses."""
+    """Read the table, once in a process."""
     return tuple(fact_of(row) for row in rows())
 
 
 class FactIndex:
-    """Facts by what names a camera: USB ids, identifiers of phones, words of labels."""
+    """Facts by USB ids, identifiers of phones, and words of labels."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         self._by_usb: dict[str, list[Fact]] = defaultdict(list)
@@ -103,10 +101,8 @@ class FactIndex:
             for device in fact.devices:
                 self._by_device[device].append(fact)
             for alternative in fact.words:
-                # Under its longest word, which fewest labels have.
-                self._by_word[max(alternative, key=lambda word: (len(word), word))].append(
-                    (alternative, fact)
-                )
+                longest = max(alternative, key=lambda word: (len(word), word))  # which few labels have
+                self._by_word[longest].append((alternative, fact))
 
     def of_usb_id(self, usb_id: str | None) -> list[Fact]:
         """Select the facts about a USB id."""
@@ -123,12 +119,7 @@ class FactIndex:
 
 
 def most_specific(facts: Iterable[tuple[int, Fact]]) -> list[Fact]:
-    """Select the facts with most words: `brio 501` goes before `brio`."""
-    best: list[Fact] = []
-    most = 0
-    for count, fact in facts:
-        if count > most:
-            best, most = [], count
-        if count == most and fact not in best:
-            best.append(fact)
-    return best
+    """Select the facts with most words: `brio 501` before `brio`."""
+    counted = list(facts)
+    most = max((count for count, _ in counted), default=0)
+    return list(dict.fromkeys(fact for count, fact in counted if count == most))

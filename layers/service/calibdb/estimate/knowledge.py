@@ -19,7 +19,7 @@ _FALLBACK = "webcam"
 
 
 class Knowledge:
-    """Facts of a table, with the populations that they make. Safe from many threads at once."""
+    """Facts of a table, with their populations. Thread-safe."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         self.facts = tuple(facts)
@@ -61,5 +61,5 @@ def default_knowledge() -> Knowledge:
 
 
 def _aspect(size: Size) -> Size:
-    """Return an aspect, rounded, so that few are computed: all that a population depends on."""
+    """Rounded aspect, so that few populations are computed."""
     return math.exp(round(aspect_log(size), 2)), 1.0

@@ -31,7 +31,7 @@ _FULL_PICTURE = (4.0, 3.0)  # that phones mean by their focal length
 def calibrated(kind: str, value: float, count: int, *, disagree: bool = False) -> Evidence:
     """Evidence of `count` calibrations at this size, whose `log_tan` is `value`."""
     sigma = _CALIBRATION_SIGMA.get(kind, _OTHER_CALIBRATION_SIGMA)
-    # Another unit deviates from their mean by its own deviation as well.
+    # The camera deviates from their mean by its own deviation as well.
     spread = sigma * math.sqrt(0.5 + 0.5 / max(1, count))
     return Evidence("calibrations", value, math.hypot(spread, _DISAGREE_SIGMA) if disagree else spread)
 

@@ -12,7 +12,7 @@ from calibdb.estimate.angles import Size
 from calibdb.estimate.crops import transfer
 from calibdb.estimate.facts import Fact
 
-# Kinds of facts that stand for kinds of devices which have none of their own.
+# Kinds of facts for kinds of devices that have none of their own.
 _POOLS = {
     "webcam": ("usb_webcam", "laptop_builtin"),
     "virtual": ("usb_webcam", "laptop_builtin"),
@@ -67,7 +67,7 @@ def population(values: Sequence[float]) -> Population:
     if n >= _MIN_QUANTILE_COUNT:
         return Population(n, statistics.median(ordered), _quantile(ordered, 0.05), _quantile(ordered, 0.95))
     mean, sd = statistics.mean(ordered), statistics.stdev(ordered)
-    reach = student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
+    reach = _student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
     return Population(n, mean, mean - reach, mean + reach)
 
 
@@ -75,8 +75,7 @@ def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | 
     """Predict the next model of a maker from the models of all makers, keyed by maker and model.
 
     Random effects: makers deviate from the kind's mean, and models from their maker's. The deviation within
-    makers is pooled, so that a maker's few models that are alike by chance do not narrow the interval. None
-    if too few models of the maker are known.
+    makers is pooled, since few models may be alike by chance. None if too few models are known.
     """
     makers: dict[str, list[float]] = defaultdict(list)
     for (each, _), value in values.items():
@@ -93,11 +92,11 @@ def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | 
     between = max(total - within, 0.1 * within)
     precision = len(own) / within + 1 / between
     mean = (len(own) / within * statistics.mean(own) + statistics.mean(values.values()) / between) / precision
-    reach = student_t(freedom) * math.sqrt(within + 1 / precision)
+    reach = _student_t(freedom) * math.sqrt(within + 1 / precision)
     return Population(len(own), mean, mean - reach, mean + reach)
 
 
-def student_t(freedom: int) -> float:
+def _student_t(freedom: int) -> float:
     """95 % quantile of the t distribution, within 2 % from two degrees of freedom (Cornish-Fisher)."""
     z = _QUANTILE
     g1 = (z**3 + z) / 4
@@ -107,7 +106,7 @@ def student_t(freedom: int) -> float:
 
 
 def _quantile(ordered: Sequence[float], p: float) -> float:
-    """Quantile by which another member is below with probability `p` (Weibull's positions)."""
+    """Quantile below which another member is with probability `p` (Weibull's positions)."""
     position = min(max(p * (len(ordered) + 1) - 1, 0.0), len(ordered) - 1.0)
     below = min(int(position), len(ordered) - 2)
     return ordered[below] + (position - below) * (ordered[below + 1] - ordered[below])

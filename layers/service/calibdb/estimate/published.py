@@ -21,14 +21,14 @@ MAX_SOURCES = 5
 
 
 def facts_about(index: FactIndex, device: Device) -> list[Fact]:
-    """Select the facts about the device's model: by USB id, by a phone's identifier, or by its words."""
+    """Select the facts about the device's model, by USB id, else phone's identifier, else words."""
     for facts in (
         [(1, fact) for fact in index.of_usb_id(device.usb_id)],
         [(1, fact) for fact in index.of_devices(device.model_ids)],
         index.of_words(device.label_words),
     ):
         fitting = [(count, fact) for count, fact in facts if fact.camera == device.camera]
-        # An app records a crop of what a browser gets: facts about recorded videos go before others.
+        # An app records a crop of what a browser gets: facts about recorded videos precede others.
         recorded = device.kind == "phone_video"
         same = [(n, fact) for n, fact in fitting if (fact.kind == "phone_video") == recorded]
         if about := most_specific(same or (fitting if recorded else [])):
@@ -59,7 +59,7 @@ def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
     for fact in facts:
         groups[is_same_aspect(fact.size, size), fact.what == "specification"].append(fact)
     if any(fact.n > 1 and is_same_aspect(fact.size, size) for fact in facts):
-        # The deviation of such a row is that of its units: another row does not make it smaller.
+        # The deviation of such a row is that of its units, which other rows do not reduce.
         groups = {key: group for key, group in groups.items() if key[0]}
     mean, sigma = combine([_group(group, size) for group in groups.values()])
     unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
@@ -67,7 +67,7 @@ def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
 
 
 def _group(facts: Sequence[Fact], size: Size) -> Evidence:
-    """Evidence of facts of one aspect and one nature, which share the error of the transfer."""
+    """Evidence of facts of one aspect and one kind of source, which share the error of the transfer."""
     exact = [fact for fact in facts if fact.size == size]
     facts = exact or facts
     values, sigmas = [], []

@@ -1,7 +1,4 @@
-"""Initial camera of a capture, estimated: its search begins there, and its first target is drawn with it.
-
-Published facts only. Calibrations that are not reliable start nothing: they may be of another camera.
-"""
+"""Initial camera of a capture, estimated by published facts: unreliable calibrations may be of another."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ _ZEROS = {"rectilinear": 5, "rational": 8, "fisheye": 4}  # coefficients of a le
 
 
 def starting_camera(query: EstimateQuery, model: str) -> FitRecord | None:
-    """Return the estimate as a camera of this model; None for a model of which it says nothing."""
+    """Return the estimate as a camera of this model; None for an omnidirectional one."""
     if model not in _ZEROS:
         return None
     likely = estimate(query)

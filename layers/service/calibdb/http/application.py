@@ -1,7 +1,6 @@
-"""HTTP application of a function: calls come in parsed, errors go out as problem+json.
+"""HTTP application of a function: routes, each a plain function from `Call` to a Starlette response.
 
-A function is a few routes, each a plain function from `Call` to a Starlette response. One Lambda instance
-serves one event at a time, so nothing here is gained by waiting asynchronously.
+One Lambda instance serves one event at a time, so that nothing waits asynchronously.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ _DETAILS: dict[int, str] = {
 }
 
 IN_THREAD = "calibdb.in_thread"
-"""Place in a request's scope of what runs an endpoint in a thread, if the server serves several at a time."""
+"""Key in a request's scope of an `InThread`, if a server serves several requests at a time."""
 InThread = Callable[[Callable[[], Response]], Awaitable[Response]]
 Endpoint = Callable[[Call], Response]
 
@@ -68,9 +67,9 @@ def no_content() -> Response:
 
 
 def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
-    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
+    """Make the route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
 
-    `is_quick`: a server runs the endpoint in its event loop, and again in a thread if the endpoint calls
+    `is_quick`: a server runs the endpoint in its event loop, and again in a thread after
     `Call.require_thread`.
     """
 
@@ -79,17 +78,17 @@ def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
         body = await request.body()
         in_thread: InThread | None = request.scope.get(IN_THREAD)
         if in_thread is None:
-            return method(Call(request, body, _service()))
+            return method(Call(request, body, Service.of_process()))
         if is_quick:
             with suppress(InLoopError):
-                return method(Call(request, body, _service(), in_loop=True))
-        return await in_thread(lambda: method(Call(request, body, _service())))
+                return method(Call(request, body, Service.of_process(), in_loop=True))
+        return await in_thread(lambda: method(Call(request, body, Service.of_process())))
 
     return Route(path, endpoint, methods=list(methods))
 
 
 def application(*routes: Route) -> Starlette:
-    """Make the Starlette application of `routes`, errors answered as problem+json without a trace."""
+    """Make the Starlette application of `routes`; errors become problem+json without a trace."""
     app = Starlette(
         routes=list(routes),
         exception_handlers={
@@ -112,7 +111,7 @@ class handler:  # noqa: N801 - as Lambda calls it
         self._app = with_default_headers(application(*routes))
 
     def __call__(self, event: dict[str, Any], context: Any) -> dict[str, Any]:
-        """Answer the event."""
+        """Return the response to an event."""
         from mangum.handlers import HTTPGateway  # a server does without
 
         gateway = HTTPGateway(_without_host(event), context, _GATEWAY)
@@ -120,7 +119,7 @@ class handler:  # noqa: N801 - as Lambda calls it
 
 
 def _run(app: Any, scope: Any, body: bytes) -> Any:
-    """Run the application on one request, without an event loop: nothing in it waits asynchronously."""
+    """Run the application on one request, without an event loop."""
     messages: list[Any] = []
 
     async def receive() -> Any:
@@ -145,13 +144,9 @@ def _run(app: Any, scope: Any, body: bytes) -> Any:
 
 
 def _without_host(event: dict[str, Any]) -> dict[str, Any]:
-    """Return the event without its host: nothing here depends on it, and Mangum fails on a malformed one."""
+    """Return the event without its host: Mangum fails on a malformed one."""
     headers = {k: v for k, v in (event.get("headers") or {}).items() if k.lower() not in _HOST_HEADERS}
     return {**event, "headers": headers}
-
-
-def _service() -> Service:
-    return Service.of_process()
 
 
 def problem_response(error: CalibdbError) -> Response:
@@ -162,19 +157,14 @@ def problem_response(error: CalibdbError) -> Response:
 def _document_response(
     document: Mapping[str, Any], status: int, headers: Mapping[str, str] | None
 ) -> Response:
-    """Make the response of a problem document, its type an address of the site.
-
-    The site is where the guidance page is; without one, the address stays relative.
-    """
+    """Make the response of a problem document, its type an address of the guidance page's site."""
     absolute = {**document, "type": urljoin(os.environ.get("GUIDANCE_URL", ""), document["type"])}
     return Response(json.dumps(absolute, ensure_ascii=False).encode(), status, headers, _PROBLEM)
 
 
 async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
     error = cast("CalibdbError", raised)
-    if (
-        error.status >= HTTPStatus.INTERNAL_SERVER_ERROR
-    ):  # not the caller's doing, so the operator hears of it
+    if error.status >= HTTPStatus.INTERNAL_SERVER_ERROR:
         _log.error("%s", error.detail, exc_info=error)
         denied = {"DeniedReads": 1} if isinstance(error, DeniedReadError) else {}
         metrics.count(time.time(), reason=error.kind, Errors=1, **denied)
@@ -194,15 +184,14 @@ async def _on_http_exception(_: Request, raised: Exception) -> Response:
 
 
 async def _on_unhandled(_: Request, __: Exception) -> Response:
-    # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
-    # caller.
+    # Starlette raises it again once this is sent, and Mangum logs it with its trace.
     metrics.count(time.time(), reason="internal", Errors=1)
     return problem_response(
         CalibdbError("The service failed to handle the request; the request itself may be valid.")
     )
 
 
-#: headers of the answer to a CORS preflight: every origin, since tokens say which they admit
+#: of every origin, since tokens say which they admit
 PREFLIGHT = {
     "Access-Control-Allow-Origin": "*",
     "Access-Control-Allow-Methods": "GET,POST,PATCH,DELETE,OPTIONS",
@@ -212,10 +201,9 @@ PREFLIGHT = {
 
 
 def with_default_headers(app: Starlette) -> Any:
-    """Answer preflights, and add `nosniff`, and `Cache-Control: no-store` where a response has none.
+    """Respond to preflights, and add `nosniff`, rate limits, and `Cache-Control: no-store` by default.
 
-    An HTTP API may pass a preflight to the function, whose `ANY` route it matches. Browsers need a successful
-    response to continue, so every path returns one, without secrets or storage.
+    An HTTP API passes preflights to the function, whose `ANY` route they match.
     """
 
     async def wrapped(scope: Any, receive: Any, send: Any) -> None:

@@ -13,18 +13,18 @@ from typing import Any
 
 from calibdb.schema.health import CanaryStep
 
-_TIMEOUT_S = 20.0  # s for one answer: the first of all starts a function
+_TIMEOUT_S = 20.0  # per call: the first one starts a function
 _MAX_RESPONSE_BYTES = 1_000_000
 _KEY = {"camera": "calibDB canary", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _FOCAL, _CENTER = 950.0, (652.0, 351.0)  # px
 _MAX_FOCAL_ERROR = 0.02  # of the focal length
 _NOISE_PX = 0.1
-_TARGET_ERROR_PX = 0.02  # a few views do not come near it, so that the capture does not end and store itself
+_TARGET_ERROR_PX = 0.02  # out of reach, so that the capture does not end and store a calibration
 _TURNS = ((0.5, 0.0), (-0.5, 0.1), (0.1, 0.55), (0.0, -0.6), (0.4, 0.4), (-0.4, -0.4))  # rad about x and y
 
 
 class CanaryError(Exception):
-    """The service did not do what it must; the text is for the operator."""
+    """The service failed; the text is for the operator."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Caller:
     credential: str
 
     def call(self, method: str, path: str, body: Mapping[str, Any] | None = None) -> Any:
-        """Return the JSON of an answer of success, None if it has no body; raises CanaryError."""
+        """Return the JSON of a successful response, None without a body; raises CanaryError."""
         headers = {
             "authorization": f"Bearer {self.credential}",
             "content-type": "application/json",
@@ -59,15 +59,11 @@ class Caller:
 
 
 def see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
-    """Yield ids and pixels of the corners of the default board in one view after the other."""
+    """Yield ids and pixels of the default board's corners in each view."""
     noise = random.Random(seed)  # noqa: S311
     for n, (about_x, about_y) in enumerate(_TURNS):
-        sin_x, cos_x, sin_y, cos_y = (
-            math.sin(about_x),
-            math.cos(about_x),
-            math.sin(about_y),
-            math.cos(about_y),
-        )
+        sin_x, cos_x = math.sin(about_x), math.cos(about_x)
+        sin_y, cos_y = math.sin(about_y), math.cos(about_y)
         ids, points = [], []
         for corner in range(40):
             x, y = corner % 8 + 1 - 4.5, corner // 8 + 1 - 3.0

@@ -1,7 +1,6 @@
-"""Metrics in CloudWatch's embedded format: one line on standard output each.
+"""Metrics as lines on standard output, in Lambda only.
 
-Format: Amazon CloudWatch user guide, "Specification: Embedded metric format". No call to CloudWatch is made,
-and nothing is written anywhere but in Lambda.
+Format: Amazon CloudWatch user guide, "Specification: Embedded metric format".
 """
 
 from __future__ import annotations
@@ -26,26 +25,14 @@ UNITS = {
     **dict.fromkeys(("DeniedReads", "UnknownEdges"), "Count"),
     "FitTime": "Milliseconds",
 }
-#: those that are also counted by their reason; of others the log names it
+#: also counted by their reason
 REASONED = ("Refusals",)
 #: reasons without a metric: they occur only with the published guidance
 RARE = ("no_information",)
 
 
 def document(stack: str, now: float, values: Mapping[str, float], reason: str | None = None) -> str:
-    """Return the line.
-
-    Parameters
-    ----------
-    stack
-        Name of the deployment, the dimension that all have.
-    now
-        Unix seconds.
-    values
-        Measurements by name.
-    reason
-        Reason, if reasons are counted separately.
-    """
+    """Make the line of measurements by name; `stack`: name of the deployment, a dimension of all."""
     units = [{"Name": name, "Unit": UNITS.get(name, "Count")} for name in values]
     described = [{"Namespace": NAMESPACE, "Dimensions": [["Stack"]], "Metrics": units}]
     reasoned = [metric for metric in units if metric["Name"] in REASONED]
@@ -63,13 +50,13 @@ def document(stack: str, now: float, values: Mapping[str, float], reason: str | 
 
 
 def count(now: float, *, reason: str | None = None, **values: float) -> None:
-    """Have the values counted, in Lambda; elsewhere do nothing."""
+    """Print the values, in Lambda only."""
     if "AWS_LAMBDA_RUNTIME_API" in os.environ:
         print(document(os.environ.get("STACK_NAME", ""), now, values, reason), flush=True)
 
 
 def counting_denied_reads(handler: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Wrap the handler of an internal function, so that a denied read is counted before it is raised."""
+    """Wrap the handler of an internal function, so that denied reads are counted."""
 
     @functools.wraps(handler)
     def wrapped(*arguments: Arguments.args, **named: Arguments.kwargs) -> Result:

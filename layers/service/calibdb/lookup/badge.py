@@ -1,7 +1,4 @@
-"""Badge of one camera at one size: a small SVG picture for a README, which says whether it is calibrated.
-
-No script, no style sheet, no font: it is shown as an image, by sites that pass nothing else.
-"""
+"""Badge of one camera at one size: a small SVG picture for a README, without script, style sheet or font."""
 
 from __future__ import annotations
 
@@ -47,18 +44,9 @@ def badge_of(
     img_size: tuple[int, int],
     thresholds: Thresholds,
 ) -> Badge:
-    """Return the badge of a camera at a size.
+    """Return the badge of the camera with this label at a size, px.
 
-    Parameters
-    ----------
-    camera
-        Its label.
-    documents
-        Its consensuses.
-    img_size
-        Width and height, px. Of several zooms the one that a lookup returns counts.
-    thresholds
-        The deployment's. A camera that no search shows has no name here either.
+    A camera that no search shows has no name here either.
     """
     if not is_listed(documents, thresholds.min_contributors):
         return NOT_CALIBRATED
@@ -77,7 +65,7 @@ def badge_of(
 
 
 def svg(badge: Badge) -> str:
-    """Draw the badge. Every text is escaped, and set to a width of its own, whatever font is there."""
+    """Draw the badge: every text is escaped, and has the same width in every font."""
     left, right = _width(badge.camera) + 12, _width(badge.state) + 12
     total = left + right
     title = f"{badge.camera}: {badge.state}"
@@ -104,12 +92,12 @@ def _text(words: str, x: int, width: int) -> str:
 
 
 def _width(words: str) -> int:
-    """Return the width of a text in Verdana at 11 px, roughly."""
+    """Approximate width in Verdana at 11 px."""
     return round(sum(4.2 if c in _NARROW else 8.4 if c in _WIDE else 6.9 for c in words))
 
 
 def rough(value: float) -> str:
-    """Write a positive length to hundredths, and with a digit that counts where it is less."""
+    """Write a positive length to hundredths, a smaller one to one significant digit."""
     if value < 0.01:
         return f"{value:.1g}"
     return f"{value:.2f}" if value < 0.995 else f"{value:.1f}" if value < 9.95 else f"{value:.0f}"

@@ -11,7 +11,7 @@ from calibdb.store import Store
 def read_reported(
     store: Store, calibration_id: str, document: CalibrationDocument | None
 ) -> ReportedCalibration:
-    """Return the calibration of a document, or else the consensus of this id; raises NotFoundError."""
+    """Return the calibration of a document, else the consensus of this id; raises NotFoundError."""
     calibration = _consensus(store, calibration_id) if document is None else _reported(document)
     if calibration is None:
         raise NotFoundError("The database has no calibration with this id.")
@@ -19,7 +19,6 @@ def read_reported(
 
 
 def _reported(document: CalibrationDocument) -> ReportedCalibration:
-    """Return a single calibration, with what its session found out about it."""
     report = dict(document.report or {})
     covariance = report.pop("covariance", None)
     return ReportedCalibration(
@@ -34,7 +33,6 @@ def _reported(document: CalibrationDocument) -> ReportedCalibration:
 
 
 def _consensus(store: Store, calibration_id: str) -> ReportedCalibration | None:
-    """Return the consensus with this id, None if there is none."""
     document = store.consensuses.get(calibration_id)
     key, mark, place = calibration_id.partition("~")
     if document is None and mark and not key.startswith(f"{VERSION}-"):

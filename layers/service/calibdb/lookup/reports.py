@@ -17,7 +17,7 @@ from calibdb.store import CameraRecords, Store
 from calibdb.store.aliases import Alias
 from calibdb.store.miss_counts import USB
 
-REPORT_S = 600  # seconds between two reports of an instance; what an instance that ends has counted is lost
+REPORT_S = 600  # between two reports of an instance, which loses its counts when it ends
 MAX_CAMERAS = 50  # that are counted until then
 
 _DAY_S = 86_400
@@ -72,10 +72,10 @@ def miss_report(
     now: float,
     min_contributors: int,
 ) -> RefitRequest | None:
-    """Count that a camera was asked for that is not known; return the counts if they are due.
+    """Count a miss; return the counts if they are due.
 
-    By its key only if others have calibrated it: a key has parts of a label, which is whatever its sender
-    wrote. Else by its USB id.
+    A camera is counted by its key only if others have calibrated it, since a key has parts of a label, which
+    is whatever its sender wrote; else by its USB id.
     """
     if not found.key:
         return None

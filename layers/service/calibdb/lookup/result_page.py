@@ -1,7 +1,4 @@
-"""Head of a result's page: the title and description that messengers show of a shared address.
-
-Messengers run no scripts, so the server or function that serves the page writes these.
-"""
+"""Head of a result's page: the title and description that messengers, which run no scripts, show."""
 
 from __future__ import annotations
 
@@ -37,14 +34,14 @@ def facts(calibration: Calibration) -> str:
 
 
 def with_head(page: str, calibration: Calibration) -> str:
-    """Return the page with the title and the description of a calibration; every text is escaped."""
+    """Return the page with the title and description of a calibration, escaped."""
     named, described = escape(title(calibration)), escape(facts(calibration))
     page = _TITLES.sub(lambda match: f"{match[1]}{named} · calibDB", page)
     return _DESCRIPTIONS.sub(lambda match: f"{match[1]}{described} {match[2]}", page)
 
 
 def shared_page(page: str, store: Store, calibration_id: str) -> str:
-    """Return the page for whom its address is sent to; unchanged if the database has no such calibration."""
+    """Return the page with the head of a calibration; unchanged if the database has no such calibration."""
     document = store.calibrations.get(calibration_id)
     if document is not None and store.calibrations.withdrawal(document) is not None:
         return page

@@ -1,8 +1,7 @@
 """Transfer of a calibration to the size or zoom of a lookup, by verified relations only.
 
-A camera makes its smaller pictures by scaling the larger, by cutting out of it, or by both; which it does is
-not to be guessed: of one camera 960x720 shows the same as 640x480, and 1920x1080 two thirds of it. So a
-relation is *verified*: the lens must draw the same picture in both, over all of the part that both show.
+A camera makes its smaller pictures by scaling the larger, by cutting out of it, or by both. So a relation is
+*verified*: the lens must draw the same picture in both, over all of the part that both show.
 """
 
 from __future__ import annotations
@@ -20,19 +19,13 @@ from calibdb.schema.fields import Row
 
 _MIN_EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
 _MAX_FOCAL_RATIO = 2.0  # of the focal lengths at two zooms, up to which a lens is interpolated between them
-# Log of the ratio of two aspects below which they are one: 854x480 and 1280x720 differ by 0.07 %, 4:3 and 5:4
-# by 6.5 %.
-_MAX_ASPECT_LOG = 0.01
-
-# Of the width, rms over the image: a hundredth of the focal length at a webcam's field of view. Calibrations
-# of one camera that agree differ by a third of that.
+_MAX_ASPECT_LOG = 0.01  # 854x480 and 1280x720 differ by 0.0007, 4:3 and 5:4 by 0.065
+# Of the width: agreeing calibrations of one camera differ by a third of that, rms over the image.
 _MAX_PICTURE_RMS = 0.003
-# Of the width: calibrations less certain than this neither verify nor refute anything.
-_MAX_UNCERTAINTY = 0.0015
+_MAX_UNCERTAINTY = 0.0015  # of the width, of a calibration that verifies or refutes
 _MAX_CENTER_SHIFT = 0.02  # of the width: principal points of good calibrations vary by a hundredth
-_MAX_OVERHANG = 0.02  # of a side by which what is cut out may stick out
-# Log by which "scale+crop" must differ from the plain ones, or it is a bad fit of these.
-_MIN_SCALE_LOG = 0.03
+_MAX_OVERHANG = 0.02  # of a side by which a crop may stick out
+_MIN_SCALE_LOG = 0.03  # by which "scale+crop" differs from the plain ones, or is a bad fit of these
 _MIN_COMMON_RAYS = 40  # rays that both must see
 
 Matrix = tuple[Row, Row, Row]
@@ -50,10 +43,7 @@ class Window:
 def build_answer(
     found: Calibration, consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int]
 ) -> LookupAnswer:
-    """Answer with `found`, its relation to the size asked for, and its intrinsics there if that is verified.
-
-    `consensuses`: all consensuses of the camera.
-    """
+    """Answer with `found`, its relation to the requested size, and if verified its intrinsics there."""
     at = {
         c.img_size: c
         for c in consensuses
@@ -65,7 +55,7 @@ def build_answer(
 
 
 def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer:
-    """Interpolate two calibrations of one size linearly to `zoom`, as certain as the less certain of them."""
+    """Interpolate two calibrations of one size linearly to `zoom`, as certain as the less certain."""
     t = (zoom - lower.zoom) / (upper.zoom - lower.zoom)
 
     def mix(one: float, other: float) -> float:
@@ -109,10 +99,8 @@ def bracketing_zooms(
 ) -> tuple[Calibration, Calibration] | None:
     """Find the reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
-    Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
-    focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at
-    this very zoom say that it is not what lies between. And 0 is what a browser says that knows no zoom: it
-    may be any.
+    The focal lengths must grow over all calibrated zooms, and not double from one to the next. None also if
+    calibrations disagree at this zoom. Zoom 0 comes from browsers that know none, and may be any.
     """
     if any((c.img_size, c.zoom, c.reason) == (img_size, zoom, "disagree") for c in consensuses):
         return None
@@ -138,9 +126,8 @@ def bracketing_zooms(
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
     """Return the relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
 
-    No relation where the calibrations are too uncertain to tell; no window where there is none, or where
-    `other` shows more than `one`. Remembered: a camera in use is asked
-    for again and again, and a comparison takes a millisecond.
+    No relation if the calibrations are too uncertain to tell; no window if there is none, or if `other` shows
+    more than `one`. Cached: a comparison takes a millisecond.
     """
     (w, h), (ow, oh) = one.img_size, other.img_size
     if any(c.uncertainty.rms > _MAX_UNCERTAINTY * c.img_size[0] for c in (one, other)):
@@ -166,8 +153,7 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
 def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple[float, ...]]:
     """Transfer camera matrix and distortion to the picture that `window` makes from `one`'s.
 
-    Pixel centres are whole numbers, so a picture begins half a pixel before its first:
-    c' = (c + ½) s − ½ − o.
+    Pixel centres are whole numbers, so c' = (c + ½) s − ½ − o.
     """
     (fx, skew, cx), (_, fy, cy), _ = one.camera_matrix
     (w, h), (ow, oh) = one.img_size, window.size
@@ -178,12 +164,12 @@ def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple
 
 
 def scaling_window(one: Calibration, size: tuple[int, int]) -> Window:
-    """Return the window of a picture that is the same, at another size."""
+    """Return the window of the same picture at another size."""
     return Window(size[0] / one.img_size[0], size[1] / one.img_size[1], size)
 
 
 def closeness(size: tuple[int, int], requested: tuple[int, int]) -> tuple[bool, float, float]:
-    """Sort key of sizes by closeness: the same first, then by aspect, then by area."""
+    """Sort key of sizes: the same first, then by aspect, then by area."""
     aspect = 0.0 if same_aspect(size, requested) else _aspect_log(size, requested)
     area = abs(math.log(size[0] * size[1] / (requested[0] * requested[1])))
     return size != requested, aspect, area
@@ -199,7 +185,7 @@ def _aspect_log(one: tuple[int, int], other: tuple[int, int]) -> float:
 
 
 def _focal_ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
-    """Return by how much the focal lengths at the axis grow from `one` to `other`, along x and y."""
+    """Ratios of the focal lengths at the axis, `other` to `one`, along x and y."""
     fx, fy = axis_focal(one)
     other_fx, other_fy = axis_focal(other)
     return other_fx / fx, other_fy / fy
@@ -210,7 +196,7 @@ def _relate_and_adapt(
 ) -> tuple[Relation | None, Adapted | None]:
     here = at.get(requested)
     if here is not None and found.img_size != requested:
-        # Too few to be relied on, but enough to say which of the pictures it can be this one is.
+        # Too few to be reliable, but enough to verify a relation.
         if here.reason == "disagree" or not here.calibration or here.calibration.calibrations < _MIN_EVIDENCE:
             return None, None
         relation, window = relate(found, here.calibration)
@@ -221,8 +207,8 @@ def _relate_and_adapt(
     if not others:
         return None, None
     if found.img_size != requested:
-        # Of a size that was never calibrated only this can be said: between two sizes that show the same
-        # it also shows the same. Beyond them many a camera begins to cut.
+        # A size that was never calibrated shows the same as two sizes around it that do. Beyond them many a
+        # camera begins to cut.
         alike = sorted(
             (c for c in (found, *others) if same_aspect(c.img_size, requested)), key=lambda c: c.img_size[0]
         )
@@ -283,9 +269,9 @@ def _is_verified(one: Calibration, other: Calibration, window: Window) -> bool:
 def _common_rays(
     one: Calibration, other: Calibration
 ) -> list[tuple[tuple[float, float], tuple[float, float], float]]:
-    """Return where rays that both see meet either picture, px from the principal points.
+    """Points of either picture, px from the principal points, and weights of rays that both see.
 
-    With a weight each: rays are as dense on every circle, so the image's area goes with the radius.
+    Rays are as dense on every circle, so the image's area goes with the radius.
     """
     (fx, _, cx), (_, fy, cy), _ = one.camera_matrix
     (_, _, ox), (_, _, oy), _ = other.camera_matrix

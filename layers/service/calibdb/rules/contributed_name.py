@@ -20,10 +20,9 @@ def most_contributed(
 
 
 def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
-    """Return the name of each group that most of its contributors gave, by today's rules.
+    """Return the name of each group that most of its contributors gave; None if another group has the same.
 
-    None if they gave none, or another group has the same one. `groups`: contributors and the names they gave;
-    empty if they gave none.
+    `groups`: contributors and the names they gave.
     """
     names = [_mode_name(group) for group in groups]
     counts = Counter(name.casefold() for name in names if name)

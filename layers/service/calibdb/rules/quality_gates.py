@@ -1,6 +1,6 @@
 """Quality gates: the precision a session aims at, that is evidence, and that checks may confirm.
 
-Errors are in pixels / image width, inside the part of the image that the boards have shown if that is known.
+Errors are in pixels / image width.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MAX_NOISE_PER_WIDTH = 1e-3
 
 
 def is_evidence(document: CalibrationDocument) -> bool:
-    """True if a calibration counts: it fits its own views, and does not err by far where its board was."""
+    """True if a calibration counts: it fits its own views, and is precise where its board was."""
     fit = document.fits.get(document.distortion_model)
     if fit is None:
         return False

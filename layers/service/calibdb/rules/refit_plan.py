@@ -1,6 +1,6 @@
 """Plan of a refit: which stored consensuses are stale, and what each of them needs.
 
-A consensus is identified by the digests of what it was computed from. Nothing here reads or writes storage.
+A consensus is identified by the digests of its inputs.
 """
 
 from __future__ import annotations
@@ -18,15 +18,8 @@ from calibdb.settings import Thresholds
 class Step:
     """Step of a refit: the action that one model's consensus needs.
 
-    Attributes
-    ----------
-    model
-        Name of the distortion model.
-    stored
-        The consensus that is stored, None if there is none.
-    action
-        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are repooled,
-        and the votes counted.
+    `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are repooled, and
+    the votes counted.
     """
 
     model: str
@@ -37,17 +30,7 @@ class Step:
 def plan_refit(
     models: Sequence[str], stored: Mapping[str, ConsensusDocument], pool_digest: str, input_digest: str
 ) -> list[Step]:
-    """Plan the refit of `models`, in their order.
-
-    Parameters
-    ----------
-    stored
-        Consensuses by model.
-    pool_digest
-        Digest of the calibrations that count, and of the rules and the code that pool them.
-    input_digest
-        Digest of these and the votes: all inputs of a consensus.
-    """
+    """Plan the refit of `models`, in their order; `stored`: consensuses by model."""
     steps = []
     for model in models:
         document = stored.get(model)
@@ -61,17 +44,10 @@ def plan_refit(
 
 
 def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_version: str) -> str:
-    """Hash what a pooled consensus follows from: SHA-256, in hex.
+    """Hash what a pooled consensus follows from: SHA-256, in hex; `ids`: of calibrations, the newest first.
 
     The digest is stored with each consensus. So the hashed text is written out here: it stays the same when a
-    field of the thresholds is renamed, and every stored consensus stays current.
-
-    Parameters
-    ----------
-    method
-        Number of the method of pooling.
-    ids
-        Ids of the calibrations that count, the newest first.
+    field of the thresholds is renamed.
     """
     t = thresholds
     rule = (

@@ -10,7 +10,6 @@ from calibdb.rules.rig_state import Rig, named, state, unit
 from calibdb.schema import (
     Calibration,
     RigCalibrationDocument,
-    RigDocument,
     RigEstimateDocument,
     RigResult,
 )
@@ -26,7 +25,7 @@ MAX_SET_ASIDE_SHARE = 0.25
 
 
 def require_finishable(rig: Rig, estimate: RigEstimateDocument) -> RigFit:
-    """Return the fit of a rig that can end; raises ConflictError naming the cameras that lack something."""
+    """Return the fit of a rig that can end; raises ConflictError."""
     if estimate.unlinked:
         lost = named(estimate.unlinked)
         raise ConflictError(
@@ -91,34 +90,31 @@ def _result(rig: Rig, fit: RigFit, endings: Sequence[EndingDocument], now: int) 
             )
             for (position, session), record in zip(rig.present, fit.cameras, strict=True)
         ),
-        extrinsics=tuple(_extrinsics(rig.document, fit)),
+        extrinsics=_extrinsics(fit, scale),
         unit=unit(rig.document),
         rms=fit.rms,
         held_out_rms=fit.held_out_rms,
         uncertainty=fit.uncertainty,
         verdict=_verdict(rig, fit),
         board_poses=tuple(
-            MomentPose(moment=one.moment, rvec=one.pose[:3], tvec=_times(one.pose[3:], scale))
+            MomentPose(moment=one.moment, rvec=one.pose[:3], tvec=_scaled(one.pose, scale)[3:])
             for one in fit.board_poses
         ),
         board_shape=fit.board_shape,
     )
 
 
-def _extrinsics(document: RigDocument, fit: RigFit) -> list[Extrinsics]:
-    scale = document.square_size or 1.0
-    return [
-        Extrinsics(position=i, rvec=pose[:3], tvec=_times(pose[3:], scale), std=_scale_motion(std, scale))
+def _extrinsics(fit: RigFit, scale: float) -> tuple[Extrinsics, ...]:
+    return tuple(
+        Extrinsics(position=i, rvec=pose[:3], tvec=_scaled(pose, scale)[3:], std=_scaled(std, scale))
         for i, (pose, std) in enumerate(zip(fit.poses, fit.std, strict=True))
-    ]
+    )
 
 
-def _times(t: tuple[float, float, float], scale: float) -> tuple[float, float, float]:
-    return t[0] * scale, t[1] * scale, t[2] * scale
-
-
-def _scale_motion(motion: Motion, scale: float) -> Motion:
-    return (*motion[:3], *_times(motion[3:], scale))
+def _scaled(motion: Motion, scale: float) -> Motion:
+    """Multiply the translation."""
+    x, y, z = motion[3:]
+    return (*motion[:3], x * scale, y * scale, z * scale)
 
 
 def _verdict(rig: Rig, fit: RigFit) -> RigVerdict:

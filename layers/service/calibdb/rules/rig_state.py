@@ -24,9 +24,11 @@ from calibdb.schema.rig import (
 from calibdb.schema.rig_documents import RigFit
 
 INITIAL_ERROR_PER_WIDTH = 0.03
-"""px of predicted error, a pixel of the image's width, from which progress is measured."""
+"""Predicted error, px / image width, from which progress is measured."""
 LINKED_SHARE = 0.3
 """Progress when all cameras are linked."""
+Moments = list[tuple[str, dict[int, ViewDocument]]]
+"""Ids of moments, each with the views of it by position."""
 MAX_UNFINISHED_PROGRESS = 0.95
 _REASONS: Mapping[str, SetAsideReason] = {
     "outlier": "outlier",
@@ -58,24 +60,16 @@ class Rig:
         """Error at which the rig has converged, px."""
         return TARGET_ERROR_PER_WIDTH * max([s.img_size[0] for _, s in self.present], default=1280)
 
-    def moments(self) -> list[tuple[str, dict[int, ViewDocument]]]:
-        """List the moments that are not undone, each with the views of it by position."""
-        return [
-            (
-                moment.id,
-                {
-                    position: view
-                    for position, session in self.present
-                    for view in session.views
-                    if view.moment == moment.id
-                },
-            )
-            for moment in self.document.moments
-            if not moment.undone
-        ]
+    def moments(self) -> Moments:
+        """List the moments that are not undone."""
+        by_moment: Moments = [(moment.id, {}) for moment in self.document.moments if not moment.undone]
+        for name, by_position in by_moment:
+            for position, session in self.present:
+                by_position.update((position, view) for view in session.views if view.moment == name)
+        return by_moment
 
     def basis(self, solver: str) -> str:
-        """Compute the digest of everything that the fit follows from: the views that take part, and whose."""
+        """Compute the digest of everything that the fit follows from."""
         cameras = [[position, session.session, session.first_version] for position, session in self.present]
         views = [
             [name, sorted((p, v.index) for p, v in by_position.items())]
@@ -85,7 +79,7 @@ class Rig:
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def digest(self, basis: str) -> str:
-        """Compute the digest that fit and target have together: of the views, and of targets not wanted."""
+        """Compute the digest of fit and target: of the views, and of targets not wanted."""
         skips = self.document.skips
         if skips is None or skips.basis != basis:
             return basis
@@ -107,7 +101,7 @@ class Rig:
             "missed": skips.missed if skips else 0,
         }
 
-    def _used_moments(self) -> list[tuple[str, dict[int, ViewDocument]]]:
+    def _used_moments(self) -> Moments:
         """List the moments with those of their views that no session has set aside."""
         used = [
             (name, {p: v for p, v in by_position.items() if v.set_aside is None})
@@ -171,7 +165,7 @@ def is_converged(rig: Rig, fit: RigFit | None) -> bool:
 
 
 def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
-    """Tell how far a capture has come, 0 to 1: cameras linked, views in, predicted error."""
+    """Measure how far a capture has come, 0 to 1."""
     fit = estimate.fit
     if is_converged(rig, fit):
         return 1.0
@@ -184,7 +178,7 @@ def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
     return max(LINKED_SHARE, least)
 
 
-def _cameras(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]) -> Iterator[RigCamera]:
+def _cameras(rig: Rig, moments: Moments) -> Iterator[RigCamera]:
     for position, session in enumerate(rig.sessions):
         yield RigCamera(
             position=position,
@@ -196,8 +190,8 @@ def _cameras(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]
         )
 
 
-def _latest(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]) -> LatestMoment | None:
-    """Return the moment that was opened last, None if that is undone."""
+def _latest(rig: Rig, moments: Moments) -> LatestMoment | None:
+    """Return the moment that was opened last, None if it is undone."""
     if not moments or moments[-1][0] != rig.document.moments[-1].id:
         return None
     name, by_position = moments[-1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
 
 from pydantic import JsonValue
 
@@ -18,21 +17,17 @@ def with_finish(
     now: int,
     contributor: str,
     solver: str,
-    report: Mapping[str, JsonValue] | None = None,
+    report: dict[str, JsonValue] | None = None,
     source: str | None = None,
 ) -> SessionDocument:
-    """End the session: fix everything that publishing it needs.
-
-    The calibration's id follows from the session, and sorts by the day on which it was started: however
-    often it is published, it is one calibration.
-    """
+    """End the session: fix everything that publishing it needs, however often it is published."""
     finish = Finish(
         calibration_id=calibration_id(document),
         time=now,
         contributor=contributor,
         source=source,
         solver=solver,
-        report=None if report is None else dict(report),
+        report=report,
     )
     ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
     return document.model_copy(update=ended)
@@ -44,9 +39,9 @@ def calibration_id(document: SessionDocument) -> str:
 
 
 def calibration_name(sid: str, first_version: int) -> str:
-    """Compute the second part of a calibration id: it follows from the session, and leads to none.
+    """Compute the second part of a calibration id, from which no session follows.
 
-    Ids are public: of the time, with which names of sessions begin, only the day is in them.
+    Ids are public. So they contain only the day of the time with which names of sessions begin.
     """
     day = int(sid[:8], 16) // _DAY_S * _DAY_S
     return f"{day:08x}{hashlib.sha256(f'{sid}/{first_version}'.encode()).hexdigest()[:12]}"

@@ -1,14 +1,8 @@
 """Rules of a capture session, as pure functions from one session document to the next.
 
-They cover view indices, idempotent replays and conflicts. The solver decides which view is good and where the
-board goes next. Nothing here reads a clock or writes anything.
-
-Indices
-    The pose that is open carries `next_index`. An accepted view takes it, and the next pose has the next one.
-    An index is never used again, not even when its view is undone: a delayed replay of an undone view is a
-    conflict and does not bring the view back.
-End
-    A converged session is published and no longer changes: neither another view nor an undo is accepted.
+The open pose carries `next_index`, which an accepted view takes. An index is never used again, not even when
+its view is undone: a delayed replay of an undone view is a conflict and does not bring the view back. A
+converged session is published and no longer changes.
 """
 
 from __future__ import annotations
@@ -52,8 +46,7 @@ def begin(
 ) -> SessionDocument:
     """Make the document of a session that starts, with any person's name removed from the label.
 
-    `seed`: an initial camera, which others measured. `contributor`: the keyed hash of who starts the session;
-    `source`, of a session in a `rig`: that of where they are.
+    `contributor`, `source`: keyed hashes of the starter and, of a session in a `rig`, of their address.
     """
     target = request.target_error
     changed = {
@@ -103,52 +96,35 @@ def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewD
     if known is None:
         require_open(document)
         return False
-    if view_fingerprint(known) != view_fingerprint(view):
+    if _same_corners([known], view) is None:
         raise ConflictError(detail, kind="other-content")
     return True
 
 
 def validate_view(document: SessionDocument, view: ViewDocument) -> None:
     """Validate `view` against board and image (InvalidError) and the session's capacity (ConflictError)."""
-    wrong = corner_errors(document.board, document.img_size, view.ids, view.points)
+    wrong = corner_errors(document.board, document.img_size, view)
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     _require_room(document, [view])
 
 
 def validate_batch(
-    document: SessionDocument, views: Sequence[ObservedCorners], replayed: Sequence[ViewDocument | None]
-) -> None:
-    """Validate the `views` of a batch that are not `replayed`, as `validate_view` does.
+    document: SessionDocument, index: int, views: Sequence[ObservedCorners]
+) -> list[ViewDocument | None]:
+    """Validate a batch as `validate_view` does; for each view, find the one that an earlier request added.
 
-    InvalidError has one error for each bad view: the first that is wrong with it.
+    InvalidError has the first error of each bad view. Also raises ConflictError for a session that is not
+    recorded, or has converged, or if the index is not open yet, or a view was undone that has it or a later
+    one.
     """
-    wrong: list[FieldError] = []
-    for n, view in enumerate(views):
-        wrong += corner_errors(document.board, document.img_size, view.ids, view.points, f"views.{n}.")[:1]
-    if wrong:
-        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
-    _require_room(document, [view for view, known in zip(views, replayed, strict=True) if known is None])
-
-
-def require_recorded(document: SessionDocument) -> None:
-    """Raise ConflictError unless the session is one of recorded views, and not in a rig."""
     if document.capture != "recorded" or document.rig is not None:
         raise ConflictError(
             "Only a session that was started with `capture: recorded`, outside a rig, takes several views in "
             "one request.",
             kind="not-recorded",
         )
-
-
-def replayed_views(
-    document: SessionDocument, index: int, views: Sequence[ObservedCorners]
-) -> list[ViewDocument | None]:
-    """For each view of a batch with this `index`, the one that an earlier request of the same content added.
-
-    Raises ConflictError if the index is not open yet, or a view was undone that has it or a later one.
-    """
-    added = [(view_fingerprint(view), view) for view in document.views if view.index >= index]
+    added = [view for view in document.views if view.index >= index]
     if index > document.next_index or len(added) < document.next_index - index:
         raise ConflictError(
             f"This index is not open; send the views with index {document.next_index}.",
@@ -156,14 +132,22 @@ def replayed_views(
         )
     replayed: list[ViewDocument | None] = []
     for view in views:
-        fingerprint = view_fingerprint(view)
-        match = next((n for n, (known, _) in enumerate(added) if known == fingerprint), None)
-        replayed.append(None if match is None else added.pop(match)[1])
+        known = _same_corners(added, view)
+        if known is not None:
+            added.remove(known)
+        replayed.append(known)
+    if None in replayed:
+        require_open(document)
+    wrong: list[FieldError] = []
+    for n, view in enumerate(views):
+        wrong += corner_errors(document.board, document.img_size, view, f"views.{n}.")[:1]
+    if wrong:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    _require_room(document, [view for view, known in zip(views, replayed, strict=True) if known is None])
     return replayed
 
 
 def _require_room(document: SessionDocument, views: Sequence[ObservedCorners | ViewDocument]) -> None:
-    """Raise ConflictError if the session cannot hold these views too."""
     if sum(len(view.ids) for view in (*document.views, *views)) > MAX_POINTS:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_POINTS} points.", kind="session-full"
@@ -186,8 +170,7 @@ def with_view(
 ) -> SessionDocument:
     """Add an accepted view to the document. Progress only grows.
 
-    `statuses` has the error of each view, and why it is set aside if it is. The view records `on_target` and
-    the error stated after it: the end of the capture depends on both.
+    The view records `on_target` and the error stated after it: the end of the capture depends on both.
     """
     stated = estimate.uncertainty.rms if estimate.uncertainty else None
     view = view.model_copy(update={"on_target": on_target, "stated": stated})
@@ -203,7 +186,7 @@ def with_view(
             "next_index": max(document.next_index, view.index + 1),
             "views": _with_statuses(views, statuses),
             "estimate": estimate.model_copy(update=update),
-            "target": None if target is None else dict(target),
+            "target": target,
             "skipped": (),
             "unreached": unreached[-MAX_SKIPPED_TARGETS:],
             "doubted": (),
@@ -220,10 +203,9 @@ def with_duplicate(document: SessionDocument) -> SessionDocument:
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None if it is there already.
 
-    It is not shown, and never becomes part of the result. When more views like it come, the accepted ones
-    were wrong.
+    It never becomes part of the result. When more views like it come, the accepted ones were wrong.
     """
-    if any(view_fingerprint(known) == view_fingerprint(view) for known in document.doubted):
+    if _same_corners(document.doubted, view) is not None:
         return None
     return document.model_copy(update={"doubted": (*document.doubted, view)[-MAX_QUARANTINED_VIEWS:]})
 
@@ -252,7 +234,7 @@ def with_views(
         update={
             "views": _with_statuses(views, statuses),
             "estimate": estimate,
-            "target": None if target is None else dict(target),
+            "target": target,
             "skipped": (),
             "duplicates": 0,
         }
@@ -288,7 +270,7 @@ def with_fit(document: SessionDocument, record: Mapping[str, JsonValue]) -> Sess
 
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
     """Open `target` in the document."""
-    return document.model_copy(update={"target": dict(target)})
+    return document.model_copy(update={"target": target})
 
 
 def without_seed(document: SessionDocument) -> SessionDocument:
@@ -327,19 +309,18 @@ def _with_statuses(
     )
 
 
-def view_fingerprint(view: ViewDocument | ObservedCorners) -> dict[int, tuple[float, float]]:
-    """Return the corners by id, the same in whichever order they were sent."""
-    return dict(zip(view.ids, view.points, strict=True))
+def _same_corners(known: Sequence[ViewDocument], view: ViewDocument | ObservedCorners) -> ViewDocument | None:
+    """Find the view that has the same corners, in whichever order they were sent."""
+    corners = dict(zip(view.ids, view.points, strict=True))
+    return next((one for one in known if dict(zip(one.ids, one.points, strict=True)) == corners), None)
 
 
 def find_seed(
     consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> FitRecord | None:
-    """Find the initial camera of a capture, from what others measured.
+    """Find the initial camera of a capture: the reliable consensus of this size, zoom and model.
 
-    It is the reliable consensus of this camera at this size, zoom and model. It is not part of the capture's
-    result and need not be right. What is not reliable starts nothing: it may be one person's, of another
-    camera.
+    Unreliable ones may be of another camera.
     """
     for consensus in consensuses:
         same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
