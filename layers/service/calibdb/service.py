@@ -71,8 +71,6 @@ class Service:
         The environment is read once, its secrets again every five minutes.
         """
         global _settings
-        if _of_server is not None:
-            return _of_server
         current = _settings
         if current is None or time.monotonic() >= current.until:
             current = _settings = _ProcessSettings.read()
@@ -82,7 +80,6 @@ class Service:
     @contextmanager
     def in_server(cls) -> Iterator[None]:
         """Make `of_process` return one service within the block, with a thread for pending writes."""
-        global _of_server
         service = cls.make(_ProcessSettings.read().settings, in_background=True)
         stopping = threading.Event()
 
@@ -92,11 +89,10 @@ class Service:
 
         thread = threading.Thread(target=work, name="pending writes", daemon=True)
         thread.start()
-        _of_server = service
         try:
-            yield
+            with cls.override(lambda _: service):
+                yield
         finally:
-            _of_server = None
             stopping.set()
             thread.join()
             service.write_pending()
@@ -125,7 +121,7 @@ class Service:
     @classmethod
     @contextmanager
     def override(cls, make: Callable[[Settings], Service]) -> Iterator[None]:
-        """Have `of_process` return `make(settings)` within the block, for tests and measurements."""
+        """Have `of_process` return `make(settings)` within the block."""
         global _maker
         before = _maker
         _maker = make
@@ -290,5 +286,4 @@ class _ProcessSettings:
 
 _settings: _ProcessSettings | None = None
 _remembered = functools.lru_cache(maxsize=8)(Service.make)
-_of_server: Service | None = None
 _maker: Callable[[Settings], Service] = _remembered

@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 from calibdb.compute.pooled_consensus import count, pool
@@ -15,13 +14,11 @@ from calibdb.compute.values import FIT_VERSION, camera_of, views_of
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules.contributed_name import mode_names
-from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
+from calibdb.rules.refit_digests import input_digest, pool_digest
 from calibdb.rules.votes import with_votes
 from calibdb.schema import DISTORTION_MODELS, CalibrationDocument, ConsensusDocument, FittingGroup, ModeViews
 from calibdb.service import Service
 from calibdb.store import StreamMode
-from calibdb.store.calibrations import CountedCalibration
-from calibdb.store.votes import IndexedVote
 from calibsolver import Board, CalibrationError, DeadlineError
 from calibsolver.consensus.mode import fitting_camera
 
@@ -103,7 +100,10 @@ def ensure_current(
 def _try_once(
     service: Service, mode: StreamMode, models: Sequence[str], *, compute: bool
 ) -> Consensuses | None:
-    """Do as `ensure_current`; None if another writer won, or if a stale one is not to be computed."""
+    """Do as `ensure_current`; None if another writer won, or if a stale one is not to be computed.
+
+    Raises UnavailableError if the time is up; each consensus stored until then is complete.
+    """
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.
     stored: Mapping[str, ConsensusDocument] = {c.distortion_model: c for c in store.consensuses.at(mode)}
@@ -113,55 +113,35 @@ def _try_once(
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
     pooled = pool_digest(POOLING_VERSION, [c.id for c in counted], thresholds, FIT_VERSION)
     basis = input_digest(pooled, [vote.id for vote in votes])
-    steps = plan_refit(models, stored, pooled, basis)
-    if not compute and any(step.action != "keep" for step in steps):
+    stale = [model for model in models if model not in stored or stored[model].basis != basis]
+    if stale and not compute:
         return None
-    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps)
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """Calibrations and votes that the consensuses of a mode are computed from, and their digests."""
-
-    mode: StreamMode
-    counted: Sequence[CountedCalibration]
-    votes: Sequence[IndexedVote]
-    pool_digest: str
-    input_digest: str
-
-
-def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
-    """Compute and store the `steps`; None if another writer won a conditional put.
-
-    Raises UnavailableError if the time is up; each consensus stored until then is complete.
-    """
-    store, thresholds, mode = service.store, service.settings.thresholds, inputs.mode
-    documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
-    votes = functools.cache(lambda: store.votes.read(inputs.votes))
-    sources = frozenset(c.source for c in inputs.counted)
-    consensuses: Consensuses = {}
-    written, late = 0, False
-    for step in steps:
-        document, groups = step.stored, None
-        if step.action != "keep":
-            try:
-                if step.action == "pool" or document is None:
-                    document, groups = pool(mode, documents(), step.model, thresholds, inputs.pool_digest)
-                counts = count(document, votes() if inputs.votes else [], sources, thresholds)
-            except DeadlineError:
-                late = True
-                break
-            document = with_votes(document, counts, inputs.input_digest, thresholds)
-            if not store.consensuses.put(document, groups, step.stored.basis if step.stored else None):
-                break
-            written += 1
-        consensuses[step.model] = document
+    read = functools.cache(lambda: store.calibrations.read([c.id for c in counted]))
+    read_votes = functools.cache(lambda: store.votes.read(votes) if votes else [])
+    sources = frozenset(c.source for c in counted)
+    written: dict[str, ConsensusDocument] = {}
+    late = False
+    for model in stale:
+        before = document = stored.get(model)
+        groups = None
+        try:
+            if document is None or document.pooled != pooled:
+                document, groups = pool(mode, read(), model, thresholds, pooled)
+            counts = count(document, read_votes(), sources, thresholds)
+        except DeadlineError:
+            late = True
+            break
+        document = with_votes(document, counts, basis, thresholds)
+        if not store.consensuses.put(document, groups, before.basis if before else None):
+            break
+        written[model] = document
     # Even if another writer won: it may have looked before the first of these was written.
     if written:
         well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
     if late:
         raise UnavailableError("This consensus takes longer to compute than is left; try again.")
-    return consensuses if len(consensuses) == len(steps) else None
+    known = {**stored, **written}
+    return {model: known[model] for model in models} if len(written) == len(stale) else None
 
 
 def _drop(

@@ -16,8 +16,6 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections import defaultdict
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -86,40 +84,3 @@ def rows() -> list[dict[str, str]]:
 def all_facts() -> tuple[Fact, ...]:
     """Read the table, once in a process."""
     return tuple(fact_of(row) for row in rows())
-
-
-class FactIndex:
-    """Facts by USB ids, identifiers of phones, and words of labels."""
-
-    def __init__(self, facts: Iterable[Fact]) -> None:
-        self._by_usb: dict[str, list[Fact]] = defaultdict(list)
-        self._by_device: dict[str, list[Fact]] = defaultdict(list)
-        self._by_word: dict[str, list[tuple[frozenset[str], Fact]]] = defaultdict(list)
-        for fact in facts:
-            for usb_id in fact.usb:
-                self._by_usb[usb_id].append(fact)
-            for device in fact.devices:
-                self._by_device[device].append(fact)
-            for alternative in fact.words:
-                longest = max(alternative, key=lambda word: (len(word), word))  # which few labels have
-                self._by_word[longest].append((alternative, fact))
-
-    def of_usb_id(self, usb_id: str | None) -> list[Fact]:
-        """Select the facts about a USB id."""
-        return self._by_usb.get(usb_id or "", [])
-
-    def of_devices(self, identifiers: Iterable[str]) -> list[Fact]:
-        """Select the facts about identifiers of phones."""
-        return [fact for identifier in identifiers for fact in self._by_device.get(identifier, [])]
-
-    def of_words(self, label_words: frozenset[str]) -> list[tuple[int, Fact]]:
-        """Select the facts whose words a label has, each with their number."""
-        entries = [entry for word in label_words for entry in self._by_word.get(word, ())]
-        return [(len(alternative), fact) for alternative, fact in entries if alternative <= label_words]
-
-
-def most_specific(facts: Iterable[tuple[int, Fact]]) -> list[Fact]:
-    """Select the facts with most words: `brio 501` before `brio`."""
-    counted = list(facts)
-    most = max((count for count, _ in counted), default=0)
-    return list(dict.fromkeys(fact for count, fact in counted if count == most))

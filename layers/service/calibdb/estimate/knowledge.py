@@ -10,7 +10,7 @@ from calibdb.estimate.angles import Size
 from calibdb.estimate.crops import aspect_log
 from calibdb.estimate.device import Device
 from calibdb.estimate.evidence import Evidence
-from calibdb.estimate.facts import Fact, FactIndex, all_facts
+from calibdb.estimate.facts import Fact, all_facts
 from calibdb.estimate.population import Population, by_model, family, members, population
 from calibdb.estimate.published import facts_about, published
 
@@ -25,13 +25,9 @@ class Knowledge:
         self.facts = tuple(facts)
         self._distribution = functools.lru_cache(maxsize=256)(self._compute_distribution)
 
-    @functools.cached_property
-    def _index(self) -> FactIndex:
-        return FactIndex(self.facts)
-
     def published(self, device: Device, size: Size) -> Evidence | None:
         """Evidence of what is published about the device's model, None if there is nothing."""
-        return published(facts_about(self._index, device), device, size)
+        return published(facts_about(self.facts, device), device, size)
 
     def family(self, device: Device, size: Size) -> Population | None:
         """Distribution of the maker's cameras of this kind, None if too few are known."""

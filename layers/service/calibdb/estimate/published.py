@@ -11,7 +11,7 @@ from calibdb.estimate.angles import Size
 from calibdb.estimate.crops import is_same_aspect, transfer
 from calibdb.estimate.device import Device
 from calibdb.estimate.evidence import Evidence, combine, mixture
-from calibdb.estimate.facts import Fact, FactIndex, most_specific
+from calibdb.estimate.facts import Fact
 from calibdb.schema.estimate import Source
 
 # Standard deviation of log tan(hfov / 2) between calibrations of two units of a model.
@@ -20,19 +20,22 @@ _OTHER_UNIT_SIGMA = 0.01  # phones and the rest
 MAX_SOURCES = 5
 
 
-def facts_about(index: FactIndex, device: Device) -> list[Fact]:
+def facts_about(facts: Sequence[Fact], device: Device) -> list[Fact]:
     """Select the facts about the device's model, by USB id, else phone's identifier, else words."""
-    for facts in (
-        [(1, fact) for fact in index.of_usb_id(device.usb_id)],
-        [(1, fact) for fact in index.of_devices(device.model_ids)],
-        index.of_words(device.label_words),
+    label = device.label_words
+    # An app records a crop of what a browser gets: facts about recorded videos precede others.
+    recorded = device.kind == "phone_video"
+    for counted in (
+        ((1, fact) for fact in facts if device.usb_id in fact.usb),
+        ((1, fact) for fact in facts if device.model_ids & fact.devices),
+        ((len(words), fact) for fact in facts for words in fact.words if words <= label),
     ):
-        fitting = [(count, fact) for count, fact in facts if fact.camera == device.camera]
-        # An app records a crop of what a browser gets: facts about recorded videos precede others.
-        recorded = device.kind == "phone_video"
-        same = [(n, fact) for n, fact in fitting if (fact.kind == "phone_video") == recorded]
-        if about := most_specific(same or (fitting if recorded else [])):
-            return about
+        fitting = [(count, fact) for count, fact in counted if fact.camera == device.camera]
+        same = [(count, fact) for count, fact in fitting if (fact.kind == "phone_video") == recorded]
+        chosen = same or (fitting if recorded else [])
+        if chosen:
+            most = max(count for count, _ in chosen)  # `brio 501` before `brio`
+            return list(dict.fromkeys(fact for count, fact in chosen if count == most))
     return []
 
 

@@ -1,46 +1,11 @@
-"""Plan of a refit: which stored consensuses are stale, and what each of them needs.
-
-A consensus is identified by the digests of its inputs.
-"""
+"""Digests of the inputs of a consensus, by which a refit recognises that it is stale."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Sequence
 
-from calibdb.schema import ConsensusDocument
 from calibdb.settings import Thresholds
-
-
-@dataclass(frozen=True)
-class Step:
-    """Step of a refit: the action that one model's consensus needs.
-
-    `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are repooled, and
-    the votes counted.
-    """
-
-    model: str
-    stored: ConsensusDocument | None
-    action: Literal["keep", "recount", "pool"]
-
-
-def plan_refit(
-    models: Sequence[str], stored: Mapping[str, ConsensusDocument], pool_digest: str, input_digest: str
-) -> list[Step]:
-    """Plan the refit of `models`, in their order; `stored`: consensuses by model."""
-    steps = []
-    for model in models:
-        document = stored.get(model)
-        if document is not None and document.basis == input_digest:
-            steps.append(Step(model, document, "keep"))
-        elif document is not None and document.pooled == pool_digest:
-            steps.append(Step(model, document, "recount"))
-        else:
-            steps.append(Step(model, document, "pool"))
-    return steps
 
 
 def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_version: str) -> str:
