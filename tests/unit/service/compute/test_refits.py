@@ -10,14 +10,20 @@ from infra.server.server import Server
 from tests.helpers.service.published import NOW, asked, calibration, mode_of, publish, store
 
 
-def test_other_votes_are_recounted_without_pooling(monkeypatch: pytest.MonkeyPatch) -> None:
-    pool, pooled = refits.pool, []
+def test_stale_parts_only_are_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps: list[str] = []
 
-    def counted(mode: Any, documents: Any, *given: Any) -> Any:
-        pooled.append(len(documents))
-        return pool(mode, documents, *given)
+    def record(name: str) -> None:
+        compute = getattr(refits, name)
 
-    monkeypatch.setattr(refits, "pool", counted)
+        def recorded(*given: Any) -> Any:
+            steps.append(name)
+            return compute(*given)
+
+        monkeypatch.setattr(refits, name, recorded)
+
+    record("pool")
+    record("count")
     made, other = (calibration("Recounted", n) for n in range(2))
     same = {**dict(made), "id": f"{NOW:08x}{'0' * 12}", "source": "elsewhere"}
     with Server(worker=1) as stack:
@@ -27,6 +33,6 @@ def test_other_votes_are_recounted_without_pooling(monkeypatch: pytest.MonkeyPat
             recounted = store(stack).refit.now(asked(mode_of(made), "rectilinear")).models["rectilinear"]
             assert recounted is not None
             assert recounted.votes.agree == 1
-        assert pooled == [1]
+        assert steps == ["pool", "count", "count"]
         publish(stack, other)
-    assert pooled == [1, 2]
+    assert steps[3:] == ["pool", "count"]
