@@ -9,8 +9,7 @@ from starlette.responses import Response
 
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
-from calibdb.estimate.estimator import EstimateQuery
-from calibdb.estimate.starting_camera import starting_camera
+from calibdb.estimate.estimator import EstimateQuery, starting_camera
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.session_rules import find_seed as find_reliable_seed

@@ -10,7 +10,7 @@ import numpy as np
 from starlette.responses import Response
 
 from calibdb.camera_key.characters import visible
-from calibdb.compute.values import board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, naming, views_of
 from calibdb.errors import InvalidError
 from calibdb.http.call import Call
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
@@ -36,10 +36,8 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
         raise InvalidError.field("without", f"the calibration has no view {unknown[0]}")
     left = tuple(view for view in document.views if view.index not in without)
     views = views_of(board_of(document.board), left)
-    try:
+    with naming("without"):
         made = fit(views, document.img_size, document.distortion_model)
-    except CalibrationError as error:
-        raise InvalidError.field("without", error.message) from error
     made = with_rivals(made, views)
     described = report.describe(made, views, [view.index for view in left])
     fits = {document.distortion_model: FitRecord(**record_covered(made, Coverage.of(made, views)))}
@@ -50,22 +48,18 @@ def to_file(
     found: ReportedCalibration, document: CalibrationDocument | None, query: ExportQuery
 ) -> ExportedFile:
     """Write the calibration as a file; raises InvalidError if the format cannot contain it."""
-    board: Board | None = None
-    views: tuple[View, ...] = ()
-    if document is not None:
-        board = board_of(document.board)
-        views = tuple(views_of(board, document.views))
     source = ExportSource(
         camera=camera_of(found),
-        views=views,
-        board=board,
         name=found.camera,
         identifier=found.id or "",
         rms=found.avg_reprojection_error,
         time=found.calibration_time,
         record=found.model_dump(exclude={"report", "covariance", "board", "camera_key"}),
     )
-    try:
+    if document is not None:
+        board = board_of(document.board)
+        source = replace(source, board=board, views=tuple(views_of(board, document.views)))
+    with naming("crop" if query.crop else "resize"):
         change = image_transform.identity(found.img_size)
         if query.crop is not None:
             change = change.then(image_transform.crop(change.img_size, query.crop[:2], query.crop[2:]))
@@ -74,16 +68,8 @@ def to_file(
         change = change.then(image_transform.rotate(change.img_size, query.rotate))
         if query.mirror:
             change = change.then(image_transform.mirror(change.img_size))
-    except CalibrationError as error:
-        raise InvalidError.field("crop" if query.crop else "resize", error.message) from error
-    return _write(source, query.format, change)
-
-
-def _write(source: ExportSource, name: str, change: image_transform.Transform | None = None) -> ExportedFile:
-    try:
-        return formats.write(source, name, change)
-    except CalibrationError as error:
-        raise InvalidError.field("format", error.message) from error
+    with naming("format"):
+        return formats.write(source, query.format, change)
 
 
 def convert_file(request: ConvertRequest) -> ExportedFile:
@@ -105,7 +91,8 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
     source = ExportSource(camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
     if request.format == "photonvision" and camera_file.views:
         source = _with_corners(source, camera_file.views)
-    return _write(source, request.format)
+    with naming("format"):
+        return formats.write(source, request.format)
 
 
 def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
@@ -158,8 +145,5 @@ def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
         record=result.model_dump(),
     )
     slow = "takes longer to compute than a request may; ask for another format"
-    try:
-        with in_time(call, InvalidError.field("format", slow)):
-            return rig_formats.write(source, RIG_WRITERS[name])
-    except CalibrationError as error:
-        raise InvalidError.field("format", error.message) from error
+    with naming("format"), in_time(call, InvalidError.field("format", slow)):
+        return rig_formats.write(source, RIG_WRITERS[name])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,10 +15,10 @@ from calibdb.compute.values import FIT_VERSION, camera_of, views_of
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules.contributed_name import mode_names
-from calibdb.rules.refit_digests import input_digest, pool_digest
 from calibdb.rules.votes import with_votes
 from calibdb.schema import DISTORTION_MODELS, CalibrationDocument, ConsensusDocument, FittingGroup, ModeViews
 from calibdb.service import Service
+from calibdb.settings import Thresholds
 from calibdb.store import StreamMode
 from calibsolver import Board, CalibrationError, DeadlineError
 from calibsolver.consensus.mode import fitting_camera
@@ -180,3 +181,27 @@ def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews
     calibration = known[index].model_copy(update={"calibrations": len(groups[index])})
     names = mode_names([[(d.counted_as, d.mode_name or "") for d in group] for group in groups])
     return FittingGroup(calibration=calibration, groups=len(known), name=names[index])
+
+
+def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_version: str) -> str:
+    """Hash what a pooled consensus follows from: SHA-256, in hex; `ids`: of calibrations, the newest first.
+
+    The digest is stored with each consensus. So the hashed text is written out here: it stays the same when a
+    field of the thresholds is renamed.
+    """
+    t = thresholds
+    rule = (
+        f"min_calibrations={t.min_calibrations!r}, min_contributors={t.min_contributors!r}, "
+        f"min_share={t.min_share!r}, max_unexplained={t.max_unexplained!r}"
+    )
+    others = (
+        f"most_calibrations={t.max_calibrations!r}, contributor_period={t.contributor_period!r}, "
+        f"min_votes={t.min_votes!r}, min_doubt={t.min_doubt!r}, max_check_ratio={t.max_check_ratio!r}"
+    )
+    text = f"({method!r}, {list(ids)!r}, Rule({rule}), Thresholds({rule}, {others}), {solver_version!r})"
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def input_digest(pool_digest: str, votes: Sequence[str]) -> str:
+    """Hash a pool's digest and the ids of the votes, the newest first: SHA-256, in hex."""
+    return hashlib.sha256(repr((pool_digest, list(votes))).encode()).hexdigest()

@@ -4,31 +4,79 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from typing import Any
 
-from calibdb.compute.session_values import (
-    Session,
-    current_camera,
-    estimate_document,
-    history_of,
-    target_poses,
-    view_statuses,
-)
-from calibdb.compute.values import FIT_VERSION, in_time, views_of
-from calibdb.errors import ConflictError, InvalidError
+from pydantic import JsonValue
+
+from calibdb.compute.values import FIT_VERSION, board_of, camera_of, in_time, naming, views_of
+from calibdb.errors import ConflictError
 from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import accepted_result
-from calibdb.schema import BatchRequest, SessionDocument, ViewDocument
+from calibdb.schema import BatchRequest, EstimateDocument, SessionDocument, ViewDocument
 from calibdb.schema.session import BatchResult, Hint, Refusal
-from calibsolver import CalibrationError, DeadlineError, View
-from calibsolver.capture import Estimate, ViewDecision
-from calibsolver.fitting.coverage import Coverage, record_covered
+from calibsolver import CalibrationError, Camera, DeadlineError, View
+from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision
+from calibsolver.fitting.coverage import Coverage, record_covered, uncertainty_members
 from calibsolver.guidance import TargetPose
 
 _MIN_BATCH_S = 1.0  # below which a batch begins no further view: the advice needs the time
+
+
+@dataclass(frozen=True)
+class Session:
+    """A session as the solver's values."""
+
+    rules: Capture
+    views: list[View]
+    excluded: dict[int, Exclusion]
+
+    @classmethod
+    def of(cls, document: SessionDocument) -> Session:
+        """Convert a document."""
+        rules = Capture(
+            board_of(document.board),
+            document.img_size,
+            model=document.distortion_model,
+            guidance=document.guidance,
+            target_error=document.target_error,
+            seed=None if document.prior is None else camera_of(document.prior),
+            recorded=document.capture == "recorded" or document.rig is not None,
+        )
+        excluded = {
+            i: Exclusion.from_record(view.set_aside.model_dump())
+            for i, view in enumerate(document.views)
+            if view.set_aside is not None
+        }
+        return cls(rules, views_of(rules.board, document.views), excluded)
+
+    @property
+    def active(self) -> list[View]:
+        """Views that are not excluded."""
+        return [view for i, view in enumerate(self.views) if i not in self.excluded]
+
+    def estimate(self) -> Estimate:
+        """Estimate the camera from the views."""
+        return self.rules.estimate(self.views, self.excluded)
+
+
+def current_camera(document: SessionDocument, rules: Capture) -> Camera:
+    """Return the camera of the session's fit, or the initial one."""
+    fit = document.estimate.fit
+    return rules.camera(None) if fit is None else camera_of(fit)
+
+
+def target_poses(records: Sequence[Mapping[str, JsonValue]]) -> tuple[TargetPose, ...]:
+    """Read stored targets."""
+    return tuple(map(TargetPose.from_dict, records))
+
+
+def _history(document: SessionDocument) -> History:
+    stated = tuple(view.stated for view in document.views)
+    return History(stated, tuple(bool(view.on_target) for view in document.views), document.duplicates)
 
 
 @contextmanager
@@ -38,11 +86,8 @@ def computing_views(call: Call) -> Iterator[None]:
     Raises ConflictError or UnavailableError if that is too short, InvalidError for a degenerate view.
     """
     slow = "These corners take longer to compute than a request may; send fewer of them in each view."
-    try:
-        with in_time(call, ConflictError(slow, kind="too-slow")):
-            yield
-    except CalibrationError as error:
-        raise InvalidError.field("points", error.message) from error
+    with naming("points"), in_time(call, ConflictError(slow, kind="too-slow")):
+        yield
 
 
 @dataclass(frozen=True)
@@ -112,7 +157,7 @@ class Course:
         observation = rules.board.view(view.ids, view.points)
         quarantined = views_of(rules.board, document.doubted)
         decision = rules.judge(
-            views, target, observation, excluded, quarantined, history_of(document), explain=self._explains
+            views, target, observation, excluded, quarantined, _history(document), explain=self._explains
         )
         if decision.seed_rejected:
             document, rules = session_rules.without_seed(document), rules.without_seed()
@@ -120,7 +165,7 @@ class Course:
         if not decision.accepted or estimate is None:
             hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
             refused = _refused(document, view, decision)
-            if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
+            if refused is not None and _history(refused).is_exhausted(len(views) - len(excluded)):
                 estimate = rules.estimate(views, excluded).with_cause(views)
                 estimate = replace(estimate, progress=1.0, end="nothing_new")
                 refused = _with_estimate(refused, estimate, self._now)
@@ -132,7 +177,7 @@ class Course:
         if not (estimate.converged or rules.recorded):
             unreached = target_poses((*document.unreached, *document.skipped))
             following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-        stored = estimate_document(estimate, self._now), view_statuses(estimate)
+        stored = _estimate_document(estimate, self._now), _view_statuses(estimate)
         changed = session_rules.with_view(document, view, *stored, following, decision.on_target)
         if estimate.converged:
             changed = self._end(changed, estimate, everything) or changed
@@ -145,7 +190,7 @@ class Course:
         if self._estimate is not None:
             with suppress(DeadlineError):
                 estimate = self._session.rules.explain(self._session.views, self._estimate)
-                stored = estimate_document(estimate, self._now)
+                stored = _estimate_document(estimate, self._now)
                 self.document = session_rules.with_advice(self.document, stored)
 
 
@@ -211,7 +256,7 @@ def without_views(
     if with_target:
         unreached = target_poses(document.unreached)
         target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
-    stored = estimate_document(estimate, now), view_statuses(estimate)
+    stored = _estimate_document(estimate, now), _view_statuses(estimate)
     return session_rules.with_views(document, left, *stored, target)
 
 
@@ -235,7 +280,7 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
 
 
 def _with_estimate(document: SessionDocument, estimate: Estimate, now: int) -> SessionDocument:
-    return session_rules.with_estimate(document, estimate_document(estimate, now), view_statuses(estimate))
+    return session_rules.with_estimate(document, _estimate_document(estimate, now), _view_statuses(estimate))
 
 
 def _end(
@@ -267,3 +312,28 @@ def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecisi
     if decision.reason == "duplicate":
         return session_rules.with_duplicate(document)
     return document if decision.seed_rejected else None
+
+
+def _estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
+    fit, uncertainty, coverage = estimate.calibration, estimate.uncertainty, estimate.coverage
+    stated = None
+    if uncertainty and coverage:
+        stated = {"rms": uncertainty.rms, "max": uncertainty.max, **uncertainty_members(coverage)}
+    record: dict[str, Any] = {
+        "time": now,
+        "fit": record_covered(fit, coverage) if fit and coverage else None,
+        "uncertainty": stated,
+        "progress": estimate.progress,
+        "converged": estimate.converged,
+        "end": estimate.end,
+        "advice": [{"code": advice.code, "text": advice.text} for advice in estimate.advice],
+        "suggested_model": estimate.suggested_model,
+    }
+    return EstimateDocument.model_validate(record)
+
+
+def _view_statuses(estimate: Estimate) -> list[tuple[float | None, dict[str, str] | None]]:
+    """List each view's error, px, and why it is excluded if it is."""
+    reasons = [estimate.excluded.get(i) for i in range(len(estimate.view_errors))]
+    stored = [{"reason": r.reason, "detail": r.detail} if r else None for r in reasons]
+    return list(zip(estimate.view_errors, stored, strict=True))

@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
 
-from calibdb.compute.session_course import open_target
-from calibdb.compute.session_values import Session, current_camera, target_poses
+from calibdb.compute.session_course import Session, current_camera, open_target, target_poses
 from calibdb.compute.values import camera_of, in_time
 from calibdb.errors import ConflictError
 from calibdb.http.call import Call

@@ -7,15 +7,15 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from calibdb.errors import CalibdbError
+from calibdb.errors import CalibdbError, InvalidError
 from calibdb.http.call import Call
 from calibdb.schema.board import Board as BoardDocument
 from calibdb.schema.calibration import Intrinsics
 from calibdb.schema.documents import ViewDocument
 from calibdb.schema.observed_corners import ObservedCorners
-from calibsolver import FIT_VERSION, Board, Camera, DeadlineError, View, deadline
+from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, deadline
 
-__all__ = ["FIT_VERSION", "board_of", "camera_of", "in_time", "time_limit", "views_of"]
+__all__ = ["FIT_VERSION", "board_of", "camera_of", "in_time", "naming", "time_limit", "views_of"]
 
 time_limit = deadline.limit
 
@@ -28,6 +28,15 @@ def in_time(call: Call, late: CalibdbError) -> Iterator[None]:
             yield
     except DeadlineError as error:
         raise call.out_of_time(late) from error
+
+
+@contextmanager
+def naming(field: str) -> Iterator[None]:
+    """Raise a CalibrationError within the block as the InvalidError of a field."""
+    try:
+        yield
+    except CalibrationError as error:
+        raise InvalidError.field(field, error.message) from error
 
 
 def board_of(document: BoardDocument) -> Board:

@@ -6,7 +6,7 @@ import math
 from contextlib import AbstractContextManager
 
 from calibdb.compute.pooled_consensus import MeasuredViews
-from calibdb.compute.values import board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, naming, views_of
 from calibdb.errors import FieldError, InvalidError
 from calibdb.http.call import Call
 from calibdb.schema import (
@@ -17,7 +17,7 @@ from calibdb.schema import (
     ShapeDocument,
     ViewDocument,
 )
-from calibsolver import CalibrationError, View, fit
+from calibsolver import View, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus.comparison import compare
 
@@ -39,16 +39,12 @@ def check_given(request: CheckRequest, given: GivenCalibration) -> ComparisonAns
     """Compare a given calibration with a fit of the views; raises InvalidError if either is unusable."""
     if given.img_size != request.img_size:
         raise InvalidError.field("calibration.img_size", "the views have another size")
-    try:
+    with naming("calibration"):
         camera = camera_of(given)
-    except CalibrationError as error:
-        raise InvalidError.field("calibration", error.message) from error
     if min(camera.focal) <= 0:
         raise InvalidError.field("calibration.camera_matrix", "the focal lengths must be positive")
-    try:
+    with naming("views"):
         result = compare(camera, _usable_views(request))
-    except CalibrationError as error:
-        raise InvalidError.field("views", error.message) from error
     return ComparisonAnswer(
         fits="fits" if result.fits else "does_not_fit",
         error=_finite(result.error),
@@ -66,10 +62,8 @@ def _finite(px: float) -> float | None:
 def examine(request: CheckRequest) -> MeasuredViews:
     """Fit a camera to the views only; raises InvalidError if none believably took them."""
     views = _usable_views(request)
-    try:
+    with naming("views"):
         own = fit(views, request.img_size, request.distortion_model)
-    except CalibrationError as error:
-        raise InvalidError.field("views", error.message) from error
     usable = [
         ViewDocument(
             index=n,

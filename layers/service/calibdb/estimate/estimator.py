@@ -15,11 +15,13 @@ from calibdb.estimate.device import Device, device_of
 from calibdb.estimate.evidence import Evidence, combine
 from calibdb.estimate.knowledge import Knowledge, default_knowledge
 from calibdb.estimate.population import Population
+from calibdb.schema import FitRecord, Uncertainty
 from calibdb.schema.estimate import Estimate, EstimateBasis, EstimateInterval
 
 _BASES: tuple[EstimateBasis, ...] = (
     *("calibrations", "views", "device", "other_size", "published", "family", "population"),
 )
+_ZEROS = {"rectilinear": 5, "rational": 8, "fisheye": 4}  # coefficients of a lens without distortion
 _QUANTILE = 1.645  # of the normal distribution, 95 %
 _PRIOR_WIDENING = 2.0
 _CROPPED_SIGMA = 0.25  # of a stream that the browser cuts by an unknown amount
@@ -132,3 +134,30 @@ def _angle_of_width(w: int, h: int, angle: float) -> float:
     if w >= h:
         return angle
     return 2 * math.degrees(math.atan(math.tan(math.radians(angle) / 2) * w / h))
+
+
+def starting_camera(query: EstimateQuery, model: str) -> FitRecord | None:
+    """Return the estimate as the initial camera of a capture; None for an omnidirectional one."""
+    if model not in _ZEROS:
+        return None
+    likely = estimate(query)
+    w = likely.img_size[0]
+    (focal, _, cx), (_, _, cy), last = likely.camera_matrix
+    low, high = (math.radians(angle) for angle in likely.interval_90.hfov_deg)
+    theta = math.radians(likely.hfov_deg) / 2
+    distortion = (0.0,) * _ZEROS[model]
+    if model == likely.distortion_model:
+        distortion = likely.distortion_coefficients
+    elif model == "fisheye":  # equidistant
+        focal = w / 2 / theta
+    else:
+        focal = w / 2 / math.tan(theta)
+    error = (high - low) / 4 * focal  # px, about two thirds of the way to the edge
+    return FitRecord(
+        img_size=likely.img_size,
+        camera_matrix=((focal, 0.0, cx), (0.0, focal, cy), last),
+        distortion_coefficients=distortion,
+        distortion_model=model,
+        avg_reprojection_error=0.0,
+        uncertainty=Uncertainty(rms=error, max=2 * error),
+    )

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from calibdb.estimate.estimator import EstimateQuery
-from calibdb.estimate.starting_camera import starting_camera
+from calibdb.estimate.estimator import EstimateQuery, starting_camera
 from calibsolver import Board, Camera
 from calibsolver.capture import Capture
 from tests.bench import first_views
