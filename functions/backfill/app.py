@@ -27,7 +27,7 @@ def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
 
 
 def requests_of(calibrations: Calibrations, names: list[str]) -> tuple[RefitRequest, ...]:
-    """List the requests for the modes of the calibrations with these objects' names, in order."""
+    """Requests for the modes of the calibrations with these objects' names."""
     modes = sorted(
         set(_modes(calibrations, names)), key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom)
     )

@@ -58,7 +58,7 @@ def search(call: application.Call) -> Response:
 
 
 def show(call: application.Call) -> Response:
-    """Return one camera with its calibrations and their agreement."""
+    """One camera with its calibrations and their agreement."""
     call.api_token()
     key = call.path("key")
     store = call.store.cameras
@@ -84,7 +84,7 @@ def show(call: application.Call) -> Response:
 
 
 def badge(call: application.Call) -> Response:
-    """Return the badge of a camera at a size, also of unknown ones: a missing image would leave a hole."""
+    """Badge of a camera at a size, also of unknown ones."""
     key, img_size = call.path("key"), parse_size(call.path("file"))
     result = NOT_CALIBRATED
     if img_size is not None and PATTERN.fullmatch(key):

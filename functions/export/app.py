@@ -23,7 +23,7 @@ _PAGE_HEADERS = {"Cache-Control": f"public, max-age=0, s-maxage={_PAGE_TTL_S}"}
 
 
 def show(call: application.Call) -> Response:
-    """Return the calibration in the requested format; what is computed for it counts as a view."""
+    """Calibration in the requested format; what is computed counts as a view."""
     token = call.api_token()
     asked = call.query(ExportQuery)
     if asked.without or not asked.plain:
@@ -59,7 +59,7 @@ def _compute(call: application.Call, document: CalibrationDocument | None, asked
 
 
 def convert(call: application.Call) -> Response:
-    """Return another program's file in the requested format; it counts as a view."""
+    """Another program's file in the requested format; counts as a view."""
     token = call.api_token()
     asked = call.json(ConvertRequest)
     call.service.charge(token, "views", call.address)
@@ -72,7 +72,7 @@ def convert(call: application.Call) -> Response:
 
 
 def show_page(call: application.Call) -> Response:
-    """Return the site's page of results, with the title of one; if this fails, the edge sends the page."""
+    """Page of results with the title of one; if this fails, the edge sends the page."""
     language = call.request.path_params.get("language", "")
     if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
         raise NotFoundError("The site has no such page.")

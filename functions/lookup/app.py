@@ -88,7 +88,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
 
 
 def _group(call: application.Call, request: LookupRequest, found: LookupResult) -> FittingGroup | None:
-    """Return the group of the camera's calibrations that fits the views sent, if they disagree."""
+    """Group of disagreeing calibrations that fits the views sent."""
     if not request.views or found.reason != "disagree" or not found.key:
         return None
     call.require_thread()

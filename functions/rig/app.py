@@ -18,7 +18,7 @@ from calibdb.store import running_rigs
 
 
 def create(call: application.Call) -> Response:
-    """Make the rig of a session, or find it, and a fresh join code."""
+    """Make or find the rig of a session, and a fresh join code."""
     ticket, service = call.session(charge="poses"), call.service
     request = call.json(RigRequest)
     lead = running_rigs.Lead(ticket.sid, *call.contributor(ticket))

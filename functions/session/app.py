@@ -49,7 +49,7 @@ def start(call: application.Call) -> Response:
 
 
 def _find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
-    """Find an initial camera: the consensus, the operator's guess, or the estimate."""
+    """Initial camera: the consensus, the operator's guess, or the estimate."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
     seed = find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)

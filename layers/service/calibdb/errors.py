@@ -51,7 +51,7 @@ class CalibdbError(Exception):
         self.extensions = dict(extensions or {})
 
     def problem(self) -> dict[str, JsonValue]:
-        """Return the problem document, its `type` relative to the site."""
+        """Problem document, its `type` relative to the site."""
         document: dict[str, JsonValue] = {
             "type": PROBLEMS + self.kind,
             "title": self.title,
@@ -131,7 +131,7 @@ class InvalidError(CalibdbError):
 
     @classmethod
     def field(cls, field: str, detail: str) -> InvalidError:
-        """Return the error of one field."""
+        """Error of one field."""
         return cls((FieldError(field, detail),))
 
 

@@ -60,7 +60,7 @@ class ProofError(Exception):
 
 
 def resolve(host: str) -> list[str]:
-    """Return the addresses of a name, in the resolver's order."""
+    """Addresses of a name, in the resolver's order."""
     addresses = socket.getaddrinfo(host, _HTTPS_PORT, type=socket.SOCK_STREAM)
     return list(dict.fromkeys(str(entry[4][0]) for entry in addresses))
 
@@ -78,7 +78,7 @@ def read_proof(
     connect: Connect = connect,
     max_s: float = MAX_FETCH_S,
 ) -> str:
-    """Return the text of `https://<host>/.well-known/calibdb.txt`; raises ProofError."""
+    """Text of `https://<host>/.well-known/calibdb.txt`; raises ProofError."""
     deadline = time.monotonic() + max_s
     addresses = _public_addresses(host, resolve, deadline - time.monotonic())
     connection = _connect_to_any(addresses, connect, deadline)

@@ -66,7 +66,7 @@ class Service:
 
     @classmethod
     def of_process(cls) -> Service:
-        """Return the service of this process, one for equal settings.
+        """Service of this process, one for equal settings.
 
         The environment is read once, its secrets again every five minutes.
         """
@@ -139,7 +139,7 @@ class Service:
 
     @classmethod
     def make(cls, settings: Settings, *, in_background: bool = False) -> Service:
-        """Return a new service of `settings`."""
+        """New service of `settings`."""
         plans = multiplied(settings.plan_factors)
         return cls.build(settings, Store.of(settings), plans=plans, in_background=in_background)
 
@@ -169,13 +169,13 @@ class Service:
         return int(self.clock())
 
     def ticket(self, token: ApiToken, origin: str | None) -> Ticket:
-        """Return a new session's ticket. Names of sessions sort by the time of their start."""
+        """Ticket of a new session. Names of sessions sort by the time of their start."""
         return Ticket(
             f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
-        """Return the token that `text` is; raises ForbiddenError.
+        """Token that `text` is; raises ForbiddenError.
 
         A token is cached for half a minute. Its first use is written, in a server later; else `before_write`
         is called before.
@@ -200,7 +200,7 @@ class Service:
         return token
 
     def managed_token(self, text: str) -> ApiToken:
-        """Return the token, revoked or not, that the management token `text` manages, as the bucket has it.
+        """Token, revoked or not, that the management token `text` manages, as the bucket has it.
 
         Raises ForbiddenError, the same and as fast for unknown tokens and wrong secrets.
         """
@@ -225,7 +225,7 @@ class Service:
         return plan(token.plan, self._plans)
 
     def token_of(self, ticket: Ticket) -> ApiToken:
-        """Return the token that opened a session; raises ForbiddenError once it is revoked."""
+        """Token that opened a session; raises ForbiddenError once it is revoked."""
         token = self._tokens.get(ticket.token)
         if token is None:
             raise ForbiddenError("The API token that opened this session is no longer valid.")

@@ -96,7 +96,7 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
 
 
 def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
-    """Make the response of a file, with how far it is from the camera that was to be written."""
+    """Response of a file, with its deviation from the camera."""
     headers = {
         "Content-Disposition": f'attachment; filename="{file.filename}"',
         "X-Conversion-Error": f"{file.error:.6g}",
@@ -109,7 +109,7 @@ def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Respons
 
 
 def _with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
-    """Return the source with the corners of its file: pages read only PhotonVision's."""
+    """Source with the corners of its file: pages read only PhotonVision's."""
     from calibsolver.formats.grid import grid
 
     try:

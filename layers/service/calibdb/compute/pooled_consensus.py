@@ -169,5 +169,5 @@ def _member(document: CalibrationDocument) -> consensus.Member | None:
 
 
 def _limited(px: float, mode: StreamMode) -> float | None:
-    """Return a length; None if it is NaN or larger than the image, so that nothing is explained."""
+    """Length; None if it is NaN or larger than the image."""
     return px if px <= math.hypot(*mode.img_size) else None

@@ -84,7 +84,7 @@ def ensure_current(
     models: Sequence[str],
     guard: AbstractContextManager[None] | None = None,
 ) -> Consensuses:
-    """Return each model's consensus; compute and store those that are stale, within `guard`."""
+    """Each model's consensus; stale ones are computed and stored, within `guard`."""
     with ExitStack() as guarded:
         if guard is not None:
             consensuses = _try_once(service, mode, models, compute=False)
@@ -157,7 +157,7 @@ def _drop(
 
 
 def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews) -> FittingGroup | None:
-    """Return the only group of calibrations that fits the views, by its most certain one, else None."""
+    """The only group of calibrations that fits the views, by its most certain one, else None."""
     behind = service.store.consensuses.groups(document)
     if behind is None or len(behind.groups) < 2:
         return None

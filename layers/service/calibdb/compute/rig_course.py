@@ -46,7 +46,7 @@ def head_tag(store: Store, rig_id: str) -> str | None:
 
 
 def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does.
+    """Fit and target of a rig, computed now if they are not stored yet, which counts as a view.
 
     Raises ConflictError if these moments take too long, now or before (`too_slow`).
     """
@@ -69,7 +69,7 @@ def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
 
 
 def state_of(call: Call, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
-    """Return state and tag of a rig; raises NotFoundError. `running`: with fit and target if it runs."""
+    """State and tag of a rig; raises NotFoundError. `running`: with fit and target if it runs."""
     store = call.store
     document = store.rigs.find(rig_id)
     ended = document.finish.calibration if document and document.finish else None

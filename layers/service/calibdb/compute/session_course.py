@@ -64,7 +64,7 @@ class Session:
 
 
 def current_camera(document: SessionDocument, rules: Capture) -> Camera:
-    """Return the camera of the session's fit, or the initial one."""
+    """Camera of the session's fit, or the initial one."""
     fit = document.estimate.fit
     return rules.camera(None) if fit is None else camera_of(fit)
 
@@ -101,7 +101,7 @@ class Judgement:
     """Time that judging took; None of a view that was judged before."""
 
     def shown(self, before: SessionDocument) -> SessionDocument:
-        """Return the document that a response shows; a refusal changes nothing visible, unless it ends."""
+        """Document that a response shows; a refusal changes nothing visible, unless it ends."""
         if self.document is None or (self.reason is not None and self.document.finish is None):
             return before
         return self.document
@@ -248,7 +248,7 @@ def finish(document: SessionDocument, now: int, who: str, where: str) -> Session
 def without_views(
     document: SessionDocument, left: tuple[ViewDocument, ...], now: int, *, with_target: bool = True
 ) -> SessionDocument:
-    """Return the session with the views that are left, fitted again, and another target."""
+    """Session with the views that are left, fitted again, and another target."""
     changed = document.model_copy(update={"views": left})
     session = Session.of(changed)
     estimate = session.rules.reconcile(session.views, session.excluded)
@@ -272,7 +272,7 @@ def finished(document: SessionDocument, now: int, who: str, where: str | None) -
 
 
 def open_target(document: SessionDocument, session: Session) -> TargetPose:
-    """Return the session's open target, chosen now if no pose was asked for."""
+    """Session's open target, chosen now if no pose was asked for."""
     if document.target is None:
         return session.rules.next_target(session.views, session.estimate())
     target = TargetPose.from_dict(document.target)
@@ -306,7 +306,7 @@ def _end(
 
 
 def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecision) -> SessionDocument | None:
-    """Return the document to store after a refusal; None if nothing changes."""
+    """Document to store after a refusal; None if nothing changes."""
     if decision.quarantine:
         return session_rules.with_quarantined(document, view)
     if decision.reason == "duplicate":
@@ -333,7 +333,7 @@ def _estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
 
 
 def _view_statuses(estimate: Estimate) -> list[tuple[float | None, dict[str, str] | None]]:
-    """List each view's error, px, and why it is excluded if it is."""
+    """Each view's error, px, and the reason if it is excluded."""
     reasons = [estimate.excluded.get(i) for i in range(len(estimate.view_errors))]
     stored = [{"reason": r.reason, "detail": r.detail} if r else None for r in reasons]
     return list(zip(estimate.view_errors, stored, strict=True))

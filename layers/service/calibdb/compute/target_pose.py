@@ -22,7 +22,7 @@ PictureFormat = Literal["jpeg", "png"]
 
 @contextmanager
 def choosing_target(call: Call) -> Iterator[None]:
-    """Compute in the time of the call; raises ConflictError or UnavailableError."""
+    """Limit the time of computations; raises ConflictError or UnavailableError."""
     slow = "The views take longer to compute than a request may; undo one."
     try:
         with in_time(call, ConflictError(slow, kind="too-slow")):
@@ -62,7 +62,7 @@ class DrawnTarget:
         return cls(rules.board, camera, TargetPose.from_dict(values))
 
     def pose(self, index: int) -> Pose:
-        """Return the target as numbers; `index`: of the view that answers it."""
+        """Target as numbers; `index`: of the view that answers it."""
         return Pose.model_validate({**self.target.to_dict(), "index": index})
 
     def picture(self, kind: PictureFormat) -> bytes:
@@ -71,7 +71,7 @@ class DrawnTarget:
 
 
 def not_in_view() -> ConflictError:
-    """Return the error of a camera that the rig's target is not for."""
+    """Error of a camera that the rig's target is not for."""
     return ConflictError(
         "This camera is not to see the board now: the target is for others.", kind="not-in-view"
     )

@@ -30,7 +30,7 @@ _UNFIT = {
 
 
 def computing_check(call: Call) -> AbstractContextManager[None]:
-    """Compute in the time of the call; raises InvalidError or UnavailableError."""
+    """Limit the time of computations; raises InvalidError or UnavailableError."""
     slow = "take longer to compute than a request may; send fewer corners in each"
     return in_time(call, InvalidError.field("views", slow))
 

@@ -137,7 +137,7 @@ def _angle_of_width(w: int, h: int, angle: float) -> float:
 
 
 def starting_camera(query: EstimateQuery, model: str) -> FitRecord | None:
-    """Return the estimate as the initial camera of a capture; None for an omnidirectional one."""
+    """Estimate as the initial camera of a capture; None for an omnidirectional one."""
     if model not in _ZEROS:
         return None
     likely = estimate(query)

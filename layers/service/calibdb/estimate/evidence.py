@@ -25,7 +25,7 @@ class Evidence:
     lens: tuple[float, ...] = ()  # coefficients of a fisheye lens
 
     def shifted(self, change: float, sigma: float) -> Evidence:
-        """Return the evidence at another zoom or size."""
+        """Evidence at another zoom or size."""
         return replace(self, mean=self.mean + change, sigma=math.hypot(self.sigma, sigma))
 
 

@@ -52,7 +52,7 @@ class Knowledge:
 
 @functools.cache
 def default_knowledge() -> Knowledge:
-    """Return the knowledge of the whole table."""
+    """Knowledge of the whole table."""
     return Knowledge(all_facts())
 
 

@@ -42,7 +42,7 @@ class Population:
 
 
 def members(facts: Iterable[Fact], kind: str) -> list[Fact]:
-    """Select the facts about a kind of device."""
+    """Facts about a kind of device."""
     kinds = ("phone_rear",) if kind in _LENS_KINDS else _POOLS.get(kind, (kind,))
     camera = _CAMERAS.get(kind)
     return [fact for fact in facts if fact.kind in kinds and (camera is None or fact.camera == camera)]

@@ -21,7 +21,7 @@ MAX_SOURCES = 5
 
 
 def facts_about(facts: Sequence[Fact], device: Device) -> list[Fact]:
-    """Select the facts about the device's model, by USB id, else phone's identifier, else words."""
+    """Facts about the device's model, by USB id, else phone's identifier, else words."""
     label = device.label_words
     # An app records a crop of what a browser gets: facts about recorded videos precede others.
     recorded = device.kind == "phone_video"

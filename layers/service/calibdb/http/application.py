@@ -47,12 +47,12 @@ Endpoint = Callable[[Call], Response]
 
 
 def json_response(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
-    """Make the JSON response of `model`."""
+    """JSON response of `model`."""
     return Response(model.model_dump_json(), status, headers, "application/json")
 
 
 def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, str]) -> Response:
-    """Make the JSON response of `model` with its ETag; 304 without a body if the request has that one."""
+    """JSON response of `model` with its ETag; 304 if the request has that one."""
     content = model.model_dump_json().encode()
     tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
     headers = {**headers, "ETag": tag}
@@ -62,12 +62,12 @@ def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, st
 
 
 def no_content() -> Response:
-    """Make the 204 response, without a body."""
+    """Response without a body."""
     return Response(status_code=204)
 
 
 def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
-    """Make the route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
+    """Route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
 
     `is_quick`: a server runs the endpoint in its event loop, and again in a thread after
     `Call.require_thread`.
@@ -88,7 +88,7 @@ def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
 
 
 def application(*routes: Route) -> Starlette:
-    """Make the Starlette application of `routes`; errors become problem+json without a trace."""
+    """Starlette application of `routes`; errors become problem+json without a trace."""
     app = Starlette(
         routes=list(routes),
         exception_handlers={
@@ -111,7 +111,7 @@ class handler:  # noqa: N801 - as Lambda calls it
         self._app = with_default_headers(application(*routes))
 
     def __call__(self, event: dict[str, Any], context: Any) -> dict[str, Any]:
-        """Return the response to an event."""
+        """Response to an event."""
         from mangum.handlers import HTTPGateway  # a server does without
 
         gateway = HTTPGateway(_without_host(event), context, _GATEWAY)
@@ -144,20 +144,20 @@ def _run(app: Any, scope: Any, body: bytes) -> Any:
 
 
 def _without_host(event: dict[str, Any]) -> dict[str, Any]:
-    """Return the event without its host: Mangum fails on a malformed one."""
+    """Event without its host: Mangum fails on a malformed one."""
     headers = {k: v for k, v in (event.get("headers") or {}).items() if k.lower() not in _HOST_HEADERS}
     return {**event, "headers": headers}
 
 
 def problem_response(error: CalibdbError) -> Response:
-    """Make the response of an error."""
+    """Response of an error."""
     return _document_response(error.problem(), error.status, error.headers)
 
 
 def _document_response(
     document: Mapping[str, Any], status: int, headers: Mapping[str, str] | None
 ) -> Response:
-    """Make the response of a problem document, its type an address of the guidance page's site."""
+    """Response of a problem document, its type an address of the guidance page's site."""
     absolute = {**document, "type": urljoin(os.environ.get("GUIDANCE_URL", ""), document["type"])}
     return Response(json.dumps(absolute, ensure_ascii=False).encode(), status, headers, _PROBLEM)
 

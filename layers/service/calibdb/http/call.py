@@ -86,7 +86,7 @@ class Call:
             raise InLoopError
 
     def seconds_left(self) -> float:
-        """Return the s left to compute: of the request's processor time, or of the invocation if less.
+        """Time left to compute, s: of the request's processor time, or of the invocation if less.
 
         In seconds of the machine on which the limits were set.
         """
@@ -96,11 +96,11 @@ class Call:
         return min(self.processor_s_left, remaining_s / self._factor)
 
     def with_time_for_a_rig(self) -> Call:
-        """Return the call with the processor time of a request about a rig."""
+        """Call with the processor time of a request about a rig."""
         return replace(self, begun_s=self.begun_s + (MAX_RIG_COMPUTE_S - MAX_COMPUTE_S) * self._factor)
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
-        """Return the error of a computation that was cut off: UnavailableError on a busy machine."""
+        """Error of a computation that was cut off: UnavailableError on a busy machine."""
         metrics.count(self.service.clock(), ComputeTimeouts=1)
         if self.processor_s_left <= 0:
             return error
@@ -123,7 +123,7 @@ class Call:
         return self.service.settings.processor_factor
 
     def json(self, model: type[Model], depth: int | None = None) -> Model:
-        """Return the body as `model`.
+        """Body as `model`.
 
         Raises TooLargeError, MalformedError, or InvalidError of all fields, or of the first of those whose
         paths begin with the same `depth` members.
@@ -148,14 +148,14 @@ class Call:
             raise ForbiddenError("Only pages of this site may make this call.", kind="origin")
 
     def query(self, model: type[Model]) -> Model:
-        """Return the query as `model`; raises InvalidError naming every field."""
+        """Query as `model`; raises InvalidError."""
         try:
             return model.model_validate(dict(self.request.query_params))
         except ValidationError as error:
             raise refusal(error) from error
 
     def json_text(self, name: str) -> str | None:
-        """Return a text member of the body, None if it is missing or the body is not a JSON object."""
+        """Text member of the body, None if there is none."""
         self._require_small_body()
         try:
             content = from_json(self.body)
@@ -169,7 +169,7 @@ class Call:
             raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
 
     def flag(self, name: str, *, default: bool = False) -> bool:
-        """Return a query parameter that is `1` or `true`, `0` or `false`."""
+        """Query parameter that is `1` or `true`, `0` or `false`; raises InvalidError."""
         text = self.request.query_params.get(name)
         if text is None:
             return default
@@ -178,7 +178,7 @@ class Call:
         return QUERY_FLAGS[text.lower()]
 
     def index(self, name: str) -> int:
-        """Return a parameter of the path that is the index of a view."""
+        """Parameter of the path that is the index of a view; raises InvalidError."""
         text = self.path(name)
         if re.fullmatch(r"[0-9]{1,9}", text, re.ASCII) is None or int(text) > MAX_INDEX:
             raise InvalidError.field(name, f"must be a whole number from 0 to {MAX_INDEX}")
@@ -208,7 +208,7 @@ class Call:
         return parse(self._bearer()) is None
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:
-        """Return the API token sent as bearer, or else `credential`, the call counted as one of `charge`.
+        """API token sent as bearer, else `credential`; counts the call as one of `charge`.
 
         Raises UnauthenticatedError, ForbiddenError, or TooManyError.
         """
@@ -236,7 +236,7 @@ class Call:
         return token
 
     def managed_token(self) -> ApiToken:
-        """Return the token, revoked or not, of the management token sent as bearer; the call is counted."""
+        """Token, revoked or not, of the management token sent as bearer; counts the call."""
         token = self.service.managed_token(self._bearer())
         self.service.limit_management(token)
         return token
@@ -268,11 +268,11 @@ class Call:
         return self.request.client.host if self.request.client else ""
 
     def contributor(self, ticket: Ticket) -> tuple[str, str]:
-        """Return the keyed hashes of the contributor and of their source."""
+        """Keyed hashes of the contributor and of their source."""
         return self.service.contributor(self.address, ticket.token), self.service.source(self.address)
 
     def path(self, name: str) -> str:
-        """Return a parameter of the path."""
+        """Parameter of the path."""
         return str(self.request.path_params[name])
 
     def _bearer(self) -> str:
@@ -294,7 +294,7 @@ def _weight(accept: str, media_type: str) -> float:
 
 
 def refusal(error: ValidationError, depth: int | None = None) -> CalibdbError:
-    """Make the error of invalid fields, without a word of Python; `depth`: as of `Call.json`."""
+    """Error of invalid fields, without a word of Python; `depth`: as of `Call.json`."""
     problems = error.errors(include_url=False, include_input=False, include_context=False)
     if any(p["type"] == "json_invalid" for p in problems):
         return MalformedError("The body is not JSON.")

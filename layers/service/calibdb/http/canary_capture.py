@@ -28,7 +28,7 @@ class CanaryError(Exception):
 
 
 def _call(site: str, credential: str, method: str, path: str, body: Mapping[str, Any] | None = None) -> Any:
-    """Return the JSON of a successful response, None without a body; raises CanaryError."""
+    """JSON of a successful response, None without a body; raises CanaryError."""
     headers = {
         "authorization": f"Bearer {credential}",
         "content-type": "application/json",
@@ -51,7 +51,7 @@ def _call(site: str, credential: str, method: str, path: str, body: Mapping[str,
 
 
 def _see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
-    """Yield ids and pixels of the default board's corners in each view."""
+    """Ids and pixels of the default board's corners in each view."""
     noise = random.Random(seed)  # noqa: S311
     for n, (about_x, about_y) in enumerate(_TURNS):
         sin_x, cos_x = math.sin(about_x), math.cos(about_x)

@@ -32,7 +32,7 @@ RARE = ("no_information",)
 
 
 def document(stack: str, now: float, values: Mapping[str, float], reason: str | None = None) -> str:
-    """Make the line of measurements by name; `stack`: name of the deployment, a dimension of all."""
+    """Line of measurements by name; `stack`: name of the deployment, a dimension of all."""
     units = [{"Name": name, "Unit": UNITS.get(name, "Count")} for name in values]
     described = [{"Namespace": NAMESPACE, "Dimensions": [["Stack"]], "Metrics": units}]
     reasoned = [metric for metric in units if metric["Name"] in REASONED]

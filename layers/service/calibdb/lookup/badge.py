@@ -33,7 +33,7 @@ NOT_CALIBRATED = Badge("calibDB", "not calibrated", "grey")
 
 
 def parse_size(text: str) -> tuple[int, int] | None:
-    """Return the size in `1280x720.svg`, None if the text is another name."""
+    """Size in `1280x720.svg`, None in other texts."""
     match = _BADGE_FILE.fullmatch(text)
     return (int(match[1]), int(match[2])) if match else None
 
@@ -44,7 +44,7 @@ def badge_of(
     img_size: tuple[int, int],
     thresholds: Thresholds,
 ) -> Badge:
-    """Return the badge of the camera with this label at a size, px.
+    """Badge of the camera with this label at a size.
 
     A camera that no search shows has no name here either.
     """
@@ -82,7 +82,7 @@ def svg(badge: Badge) -> str:
 
 
 def without_usb_id(label: str) -> str:
-    """Return a camera's label without the USB id that Chromium appends."""
+    """Label without the USB id that Chromium appends."""
     return _USB_ID_END.sub("", label)
 
 

@@ -54,7 +54,7 @@ class LookupQuery:
 
     @classmethod
     def of(cls, request: LookupRequest | CheckRequest) -> LookupQuery:
-        """Return the query of a request."""
+        """Query of a request."""
         camera = request.camera, request.platform, request.img_size, request.zoom
         return cls(*camera, request.distortion_model, request.resize_mode)
 
@@ -121,7 +121,7 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
 
 
 def unanswerable_reason(query: LookupQuery, *, private: bool) -> str | None:
-    """Return why nothing can be said of such a camera; None if the database may know it."""
+    """Reason why nothing can be said of such a camera, else None."""
     if query.identity.virtual:
         return VIRTUAL
     if query.resize_mode == CROPPED:
@@ -235,7 +235,7 @@ def find(
     private: bool,
     compute: Callable[[str, tuple[int, int]], ConsensusDocument | None],
 ) -> LookupResult:
-    """Find what a lookup answers.
+    """Result of a lookup.
 
     `read`, `private`: as of `resolve`. `compute`: computes the model, which was not requested before, from
     the stored keypoints of a camera key at a size.
@@ -261,7 +261,7 @@ def find(
 def find_by_digest(
     store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
 ) -> LookupResult | None:
-    """Find what a lookup by the digest of label and platform answers; None if it is not a known alias."""
+    """Result of a lookup by the digest of label and platform; None if it is not a known alias."""
     alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
     if wanted is None or alias is None:
         return None
@@ -271,7 +271,7 @@ def find_by_digest(
 
 
 def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple[StreamMode, Calibration]:
-    """Find the consensus to check, reliable or not, and its mode; raises NotFoundError.
+    """Consensus to check, reliable or not, and its mode; raises NotFoundError.
 
     As a lookup would find it, but only at the size and zoom of the views.
     """
@@ -291,5 +291,5 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
 
 
 def consensus_of_model(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
-    """Return the consensus of this model, None if there is none."""
+    """Consensus of this model, None if there is none."""
     return next((d for d in documents if d.distortion_model == model), None)

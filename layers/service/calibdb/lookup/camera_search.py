@@ -23,7 +23,7 @@ AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
 
 
 def query_words(query: str) -> list[str]:
-    """Return the words of a query, the longest first, makers only if there are no others."""
+    """Words of a query, the longest first, makers only if there are no others."""
     text = unicodedata.normalize("NFKC", query).casefold()
     terms = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
     named = [word for word in terms if not is_maker(word)] or terms
@@ -54,7 +54,7 @@ def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -
 def group_by_mode(
     consensuses: Sequence[ConsensusDocument],
 ) -> Iterator[tuple[SizeAndZoom, list[ConsensusDocument]]]:
-    """Yield the consensuses of every size and zoom, the largest picture first."""
+    """Consensuses of every size and zoom, the largest picture first."""
 
     def order(c: ConsensusDocument) -> tuple[int, tuple[int, int], float]:
         return -c.img_size[0] * c.img_size[1], c.img_size, c.zoom
@@ -67,7 +67,7 @@ def group_by_mode(
 def best_modes(
     consensuses: Sequence[ConsensusDocument], limit: int
 ) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
-    """Select `limit` groups of `group_by_mode`: the reliable, then the most calibrated."""
+    """At most `limit` groups of `group_by_mode`: the reliable, then the most calibrated."""
     groups = list(group_by_mode(consensuses))
     weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in groups]
     ranked = sorted(range(len(groups)), key=lambda i: weights[i], reverse=True)
@@ -75,17 +75,17 @@ def best_modes(
 
 
 def best_consensus(consensuses: Sequence[ConsensusDocument]) -> ConsensusDocument:
-    """Return the consensus that represents a size: reliable if possible, with most calibrations."""
+    """Consensus that represents a size: reliable if possible, with most calibrations."""
     return max(consensuses, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
 
 
 def count_agreeing(best: ConsensusDocument) -> int:
-    """Count the calibrations that agree in the best consensus of a size."""
+    """Number of calibrations in a consensus."""
     return best.calibration.calibrations if best.calibration else 0
 
 
 def usb_id(consensuses: Sequence[ConsensusDocument]) -> str | None:
-    """Return the USB id `vid:pid` in the camera's labels, None if they have none."""
+    """USB id `vid:pid` in the camera's labels, None if they have none."""
     named = ((c.calibration.camera, c.calibration.platform) for c in consensuses if c.calibration)
     return next((usb for name in named if (usb := identify(*name).usb_id)), None)
 
@@ -93,7 +93,7 @@ def usb_id(consensuses: Sequence[ConsensusDocument]) -> str | None:
 def camera_entry(
     key: str, name: str, consensuses: Sequence[ConsensusDocument], min_calibrations: int
 ) -> CameraEntry:
-    """Return a camera as a search shows it; `name`: its normalised label."""
+    """Camera as a search shows it; `name`: its normalised label."""
     camera, platform = display_name(name, consensuses)
     sizes = []
     for (img_size, zoom), here in group_by_mode(consensuses):
@@ -121,7 +121,7 @@ def camera_entry(
 
 
 def display_name(name: str, consensuses: Sequence[ConsensusDocument]) -> tuple[str, str]:
-    """Return label and platform of the newest calibration, else `name`."""
+    """Label and platform of the newest calibration, else `name`."""
     calibrations: list[Calibration] = [c.calibration for c in consensuses if c.calibration]
     if not calibrations:
         return name, ""

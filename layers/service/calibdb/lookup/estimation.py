@@ -84,7 +84,7 @@ def _edge_angle(calibration: Calibration, target: float, *, along_x: bool) -> fl
 
 
 def _calibration_here(request: LookupRequest, known: Sequence[ConsensusDocument]) -> ConsensusDocument | None:
-    """Select the consensus of this size and zoom, if possible of the requested model."""
+    """Consensus of this size and zoom, if possible of the requested model."""
     here = [
         c
         for c in known

@@ -19,7 +19,7 @@ _MAX_ANGLE_RAD = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidire
 
 
 def axis_focal(camera: Calibration) -> Vector:
-    """Return the focal lengths along x and y, px per radian at the axis: (fx, fy) / (1 + xi)."""
+    """Focal lengths along x and y, px per radian at the axis: (fx, fy) / (1 + xi)."""
     (fx, _, _), (_, fy, _), _ = camera.camera_matrix
     xi = camera.distortion_coefficients[0] if camera.distortion_model == "omnidirectional" else 0.0
     return fx / (1 + xi), fy / (1 + xi)

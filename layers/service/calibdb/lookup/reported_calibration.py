@@ -11,7 +11,7 @@ from calibdb.store import Store
 def read_reported(
     store: Store, calibration_id: str, document: CalibrationDocument | None
 ) -> ReportedCalibration:
-    """Return the calibration of a document, else the consensus of this id; raises NotFoundError."""
+    """Calibration of a document, else the consensus of this id; raises NotFoundError."""
     calibration = _consensus(store, calibration_id) if document is None else _reported(document)
     if calibration is None:
         raise NotFoundError("The database has no calibration with this id.")

@@ -33,7 +33,7 @@ class MissCounter:
         self._lock = threading.Lock()
 
     def count(self, camera: str, now: float) -> dict[str, int]:
-        """Count a miss; return what is to be reported now, mostly nothing."""
+        """Count a miss; return the counts that are to be reported now."""
         with self._lock:
             if camera in self._counts or len(self._counts) < MAX_CAMERAS:
                 self._counts[camera] += 1
@@ -99,7 +99,7 @@ def alias_report(
     now: float,
     sender: Callable[[], str],
 ) -> RefitRequest | None:
-    """Return the request to store the name of a lookup as an alias of a camera; None if it is not new."""
+    """Request to store the name of a lookup as an alias of a camera; None if it is not new."""
     name = request.camera, request.platform
     if not seen.admit(name, now) or not is_public(name):
         return None

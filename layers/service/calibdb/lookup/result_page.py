@@ -34,14 +34,14 @@ def facts(calibration: Calibration) -> str:
 
 
 def with_head(page: str, calibration: Calibration) -> str:
-    """Return the page with the title and description of a calibration, escaped."""
+    """Page with the title and description of a calibration, escaped."""
     named, described = escape(title(calibration)), escape(facts(calibration))
     page = _TITLES.sub(lambda match: f"{match[1]}{named} · calibDB", page)
     return _DESCRIPTIONS.sub(lambda match: f"{match[1]}{described} {match[2]}", page)
 
 
 def shared_page(page: str, store: Store, calibration_id: str) -> str:
-    """Return the page with the head of a calibration; unchanged if the database has no such calibration."""
+    """Page with the head of a calibration; unchanged if there is no such calibration."""
     document = store.calibrations.get(calibration_id)
     if document is not None and store.calibrations.withdrawal(document) is not None:
         return page

@@ -97,7 +97,7 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
 def bracketing_zooms(
     consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> tuple[Calibration, Calibration] | None:
-    """Find the reliable calibrations at the next zooms below and above; None if they do not interpolate.
+    """Reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
     The focal lengths must grow over all calibrated zooms, and not double from one to the next. None also if
     calibrations disagree at this zoom. Zoom 0 comes from browsers that know none, and may be any.
@@ -124,7 +124,7 @@ def bracketing_zooms(
 
 @functools.lru_cache(maxsize=256)
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
-    """Return the relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
+    """Relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
 
     No relation if the calibrations are too uncertain to tell; no window if there is none, or if `other` shows
     more than `one`. Cached: a comparison takes a millisecond.
@@ -164,7 +164,7 @@ def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple
 
 
 def scaling_window(one: Calibration, size: tuple[int, int]) -> Window:
-    """Return the window of the same picture at another size."""
+    """Window of the same picture at another size."""
     return Window(size[0] / one.img_size[0], size[1] / one.img_size[1], size)
 
 

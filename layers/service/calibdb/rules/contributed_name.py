@@ -12,7 +12,7 @@ from calibdb.schema import CalibrationDocument
 def most_contributed(
     group: Sequence[CalibrationDocument], public: Callable[[CalibrationDocument], str]
 ) -> str:
-    """Return the text, such as a public label, that most contributors sent; of equals the oldest."""
+    """Text, such as a public label, of most contributors; of equals the oldest."""
     contributors: dict[str, set[str]] = {}
     for document in sorted(group, key=lambda d: (d.time, d.id)):
         contributors.setdefault(public(document), set()).add(document.counted_as)
@@ -20,7 +20,7 @@ def most_contributed(
 
 
 def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
-    """Return the name of each group that most of its contributors gave; None if another group has the same.
+    """Name of each group that most of its contributors gave; None if another group has the same.
 
     `groups`: contributors and the names they gave.
     """

@@ -24,7 +24,7 @@ def require_corners(board: Board, img_size: tuple[int, int], views: Sequence[Obs
 def corner_errors(
     board: Board, img_size: tuple[int, int], view: ViewDocument | ObservedCorners, prefix: str = ""
 ) -> list[FieldError]:
-    """List what is wrong, field by field; `prefix`: of the fields' paths."""
+    """Errors of the fields, whose paths begin with `prefix`."""
     corners = board.corner_count
     width, height = img_size
     wrong = [

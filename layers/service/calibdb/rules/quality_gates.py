@@ -42,5 +42,5 @@ def is_confirmable(calibration: Calibration) -> bool:
 
 
 def stated_error(uncertainty: Uncertainty) -> float:
-    """Return the error where the boards were; over the image if that is not recorded."""
+    """Error where the boards were; over the image if that is unknown."""
     return uncertainty.rms if uncertainty.inside is None else uncertainty.inside

@@ -25,7 +25,7 @@ MAX_SET_ASIDE_SHARE = 0.25
 
 
 def require_finishable(rig: Rig, estimate: RigEstimateDocument) -> RigFit:
-    """Return the fit of a rig that can end; raises ConflictError."""
+    """Fit of a rig that can end; raises ConflictError."""
     if estimate.unlinked:
         lost = named(estimate.unlinked)
         raise ConflictError(
@@ -55,7 +55,7 @@ def finished(
     solver: str,
     now: int,
 ) -> RigCalibrationDocument:
-    """Make the document of a rig that ends now."""
+    """Document of a rig that ends now."""
     running = state(rig, estimate)
     update = {
         "status": "finished",

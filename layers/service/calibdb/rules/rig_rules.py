@@ -44,13 +44,13 @@ _ID_DIGITS = 32
 
 
 def rig_id(secret: str, session: SessionDocument) -> str:
-    """Compute the id of a session's rig, which cannot be guessed."""
+    """Id of a session's rig, which cannot be guessed."""
     text = f"rig\n{session.session}/{session.first_version}"
     return hmac.new(secret.encode(), text.encode(), hashlib.sha256).hexdigest()[:_ID_DIGITS]
 
 
 def code_of(random: str) -> str:
-    """Return the join code of a random number, in hex; with 64 bits, all codes are equally likely."""
+    """Join code of a random number, in hex; with 64 bits, all codes are equally likely."""
     number, letters = int(random, 16), []
     for _ in range(CODE_LENGTH):
         number, digit = divmod(number, len(CODE_ALPHABET))
@@ -59,13 +59,13 @@ def code_of(random: str) -> str:
 
 
 def code_digest(secret: str, code: str) -> str:
-    """Compute the keyed hash of a code, in any case, with or without spaces and hyphens."""
+    """Keyed hash of a code, in any case, with or without spaces and hyphens."""
     text = "".join(c for c in code.upper() if c not in " -")
     return hmac.new(secret.encode(), f"rig code\n{text}".encode(), hashlib.sha256).hexdigest()
 
 
 def begin(request: RigRequest, rig: str, session: SessionDocument, contributor: str, now: int) -> RigDocument:
-    """Make the document of a rig whose camera 0 is that of the session."""
+    """Document of a rig whose camera 0 is that of the session."""
     first = MemberDocument(session=session.session, contributor=contributor, joined=now)
     return RigDocument(
         rig=rig,
@@ -124,7 +124,7 @@ def require_leader(document: RigDocument, sid: str) -> None:
 
 
 def position_of(document: RigDocument, sid: str) -> int | None:
-    """Return the position of a session, None if it is not a member."""
+    """Position of a session, None if it is not a member."""
     return next((i for i, m in enumerate(document.members) if m is not None and m.session == sid), None)
 
 
@@ -160,7 +160,7 @@ def join(
 
 
 def _cannot_join(wanted: RigJoin, detail: str, field: str = "rig.id") -> InvalidError:
-    """Return the error of a rig that cannot be joined; for codes it is the same for every reason."""
+    """Error of a rig that cannot be joined; for codes the same for every reason."""
     return wrong_code() if wanted.code is not None else InvalidError.field(field, detail)
 
 
@@ -243,7 +243,7 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
 
 
 def ending_of(ended: SessionDocument) -> EndingDocument:
-    """Return the end of a session that has ended, as its rig keeps it."""
+    """End of a session, as its rig stores it."""
     if ended.finish is None:
         raise ValueError("the session has not ended")
     views = tuple((view.index, view.rms, view.set_aside) for view in ended.views)
@@ -264,7 +264,7 @@ def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocu
 
 
 def sent_view(session: SessionDocument, request: ViewRequest) -> ViewDocument:
-    """Return the view that was sent; one of a rig's takes the next index. Raises InvalidError."""
+    """View that was sent; one of a rig's takes the next index. Raises InvalidError."""
     index = request.index
     if session.rig is not None:
         if request.moment is None:
@@ -278,16 +278,16 @@ def sent_view(session: SessionDocument, request: ViewRequest) -> ViewDocument:
 
 
 def wrong_code() -> InvalidError:
-    """Return the error of a code that leads nowhere, whatever the reason."""
+    """Error of a code without a rig."""
     text = "no rig can be joined by this code; codes last 15 minutes: ask for a new one"
     return InvalidError.field("rig.code", text)
 
 
 def moment_undone() -> ConflictError:
-    """Return the error of a moment that was undone."""
+    """Error of a moment that was undone."""
     return ConflictError("This moment was undone.", kind="moment-undone")
 
 
 def in_rig() -> ConflictError:
-    """Return the error of what only the rig may do to a session."""
+    """Error of a change that only the rig may make."""
     return ConflictError("The session is in a rig: undo moments and finish through the rig.", kind="in-rig")

@@ -61,7 +61,7 @@ class Rig:
         return TARGET_ERROR_PER_WIDTH * max([s.img_size[0] for _, s in self.present], default=1280)
 
     def moments(self) -> Moments:
-        """List the moments that are not undone."""
+        """Moments that are not undone."""
         by_moment: Moments = [(moment.id, {}) for moment in self.document.moments if not moment.undone]
         for name, by_position in by_moment:
             for position, session in self.present:
@@ -69,7 +69,7 @@ class Rig:
         return by_moment
 
     def basis(self, solver: str) -> str:
-        """Compute the digest of everything that the fit follows from."""
+        """Digest of everything that the fit follows from."""
         cameras = [[position, session.session, session.first_version] for position, session in self.present]
         views = [
             [name, sorted((p, v.index) for p, v in by_position.items())]
@@ -79,7 +79,7 @@ class Rig:
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def digest(self, basis: str) -> str:
-        """Compute the digest of fit and target: of the views, and of targets not wanted."""
+        """Digest of fit and target: of the views, and of targets not wanted."""
         skips = self.document.skips
         if skips is None or skips.basis != basis:
             return basis
@@ -102,7 +102,7 @@ class Rig:
         }
 
     def _used_moments(self) -> Moments:
-        """List the moments with those of their views that no session has set aside."""
+        """Moments with the views that no session has set aside."""
         used = [
             (name, {p: v for p, v in by_position.items() if v.set_aside is None})
             for name, by_position in self.moments()
@@ -110,7 +110,7 @@ class Rig:
         return [(name, by_position) for name, by_position in used if by_position]
 
     def count_agreeing(self, fit: RigFit | None) -> list[int]:
-        """Count the views of each camera that agree with the others."""
+        """Numbers of each camera's views that agree with the others."""
         out = {(one.moment, one.position) for one in fit.set_aside} if fit else set()
         counts = [0] * len(self.sessions)
         for name, by_position in self._used_moments():
@@ -131,7 +131,7 @@ def _camera(session: SessionDocument | None) -> dict[str, Any] | None:
 
 
 def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
-    """Make the API's state of a running rig."""
+    """State of a running rig in the API."""
     fit, moments = estimate.fit, rig.moments()
     return RigState(
         rig_id=rig.document.rig,
@@ -154,7 +154,7 @@ def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
 
 
 def unit(document: RigDocument) -> Any:
-    """Return the unit of a rig's lengths."""
+    """Unit of a rig's lengths."""
     return "squares" if document.square_size is None else "metres"
 
 
@@ -165,7 +165,7 @@ def is_converged(rig: Rig, fit: RigFit | None) -> bool:
 
 
 def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
-    """Measure how far a capture has come, 0 to 1."""
+    """Progress of a capture, 0 to 1."""
     fit = estimate.fit
     if is_converged(rig, fit):
         return 1.0
@@ -191,7 +191,7 @@ def _cameras(rig: Rig, moments: Moments) -> Iterator[RigCamera]:
 
 
 def _latest(rig: Rig, moments: Moments) -> LatestMoment | None:
-    """Return the moment that was opened last, None if it is undone."""
+    """Moment that was opened last, None if it is undone."""
     if not moments or moments[-1][0] != rig.document.moments[-1].id:
         return None
     name, by_position = moments[-1]

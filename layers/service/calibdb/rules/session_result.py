@@ -34,12 +34,12 @@ def with_finish(
 
 
 def calibration_id(document: SessionDocument) -> str:
-    """Return the id of the calibration that a session leads to, were it to end."""
+    """Id of the calibration to which a session leads."""
     return f"{document.camera_key}-{calibration_name(document.session, document.first_version)}"
 
 
 def calibration_name(sid: str, first_version: int) -> str:
-    """Compute the second part of a calibration id, from which no session follows.
+    """Second part of a calibration id, from which no session follows.
 
     Ids are public. So they contain only the day of the time with which names of sessions begin.
     """
@@ -48,7 +48,7 @@ def calibration_name(sid: str, first_version: int) -> str:
 
 
 def to_calibration(document: SessionDocument) -> CalibrationDocument:
-    """Make the calibration of a converged session."""
+    """Calibration of a converged session."""
     finish, fit = document.finish, document.estimate.fit
     if finish is None or fit is None:
         raise ValueError("the session has not converged")

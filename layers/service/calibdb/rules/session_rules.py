@@ -44,7 +44,7 @@ def begin(
     rig: RigMembership | None = None,
     source: str | None = None,
 ) -> SessionDocument:
-    """Make the document of a session that starts, with any person's name removed from the label.
+    """Document of a session that starts, without personal names.
 
     `contributor`, `source`: keyed hashes of the starter and, of a session in a `rig`, of their address.
     """
@@ -196,7 +196,7 @@ def with_view(
 
 
 def with_duplicate(document: SessionDocument) -> SessionDocument:
-    """Count a view that was refused as a duplicate."""
+    """Count a duplicate."""
     return document.model_copy(update={"duplicates": document.duplicates + 1})
 
 
@@ -310,7 +310,7 @@ def _with_statuses(
 
 
 def _same_corners(known: Sequence[ViewDocument], view: ViewDocument | ObservedCorners) -> ViewDocument | None:
-    """Find the view that has the same corners, in whichever order they were sent."""
+    """View with the same corners, in any order."""
     corners = dict(zip(view.ids, view.points, strict=True))
     return next((one for one in known if dict(zip(one.ids, one.points, strict=True)) == corners), None)
 
@@ -318,7 +318,7 @@ def _same_corners(known: Sequence[ViewDocument], view: ViewDocument | ObservedCo
 def find_seed(
     consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> FitRecord | None:
-    """Find the initial camera of a capture: the reliable consensus of this size, zoom and model.
+    """Initial camera of a capture: the reliable consensus of this size, zoom and model.
 
     Unreliable ones may be of another camera.
     """

@@ -18,23 +18,23 @@ from calibdb.schema.session import BatchResult, Hint, Refusal
 
 
 def state(document: SessionDocument) -> SessionState:
-    """Make the API's state of a session."""
+    """State of a session in the API."""
     return SessionState(**_members(document))
 
 
 def view_answer(document: SessionDocument, reason: Refusal | None, hint: Hint | None = None) -> ViewAnswer:
-    """Make the response to a view: the state and, after a refusal, its reason and a remedy."""
+    """State after a view and, after a refusal, its reason and a remedy."""
     members = {**_members(document), "accepted": reason is None, "reason": reason, "hint": hint}
     return ViewAnswer.model_validate(members)
 
 
 def batch_answer(document: SessionDocument, results: Sequence[BatchResult]) -> BatchAnswer:
-    """Make the response to a batch: the state, and the result of each judged view."""
+    """State after a batch, and the result of each judged view."""
     return BatchAnswer.model_validate({**_members(document), "results": tuple(results)})
 
 
 def accepted_result(view: ViewDocument) -> BatchResult:
-    """Make the result of an accepted view."""
+    """Result of an accepted view."""
     return BatchResult(accepted=True, index=view.index, reason=None, error=view.stated)
 
 

@@ -96,7 +96,7 @@ def view_digest(ids: Sequence[int], points: Sequence[Sequence[float]]) -> str:
 
 
 def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: int, period: int) -> str:
-    """Make the id of a vote: the same for all checks that are one vote, of one camera at one size.
+    """Id of a vote: the same for all checks that are one vote, of one camera at one size.
 
     These are a source's within `period` seconds; if all are the same contributor (`period` 0), those of one
     session. Ids sort by time, to the period.
@@ -172,7 +172,7 @@ def family(source: str) -> str:
 
 
 def count_lines(sources: Iterable[str]) -> int:
-    """Count different sources of the larger family of addresses.
+    """Number of different sources in the larger family of addresses.
 
     One line of the network commonly has an IPv4 and an IPv6 address, which must not count twice.
     """
