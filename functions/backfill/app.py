@@ -1,8 +1,4 @@
-"""Requests to `refit` the consensuses of a batch of calibrations. Internal: a step of a state machine.
-
-The batch is a list of up to a thousand names of objects. A camera on the border of two batches is requested
-twice; the second time there is nothing to compute.
-"""
+"""Requests to `refit` the consensuses of a batch of calibrations. Internal: a step of a state machine."""
 
 from __future__ import annotations
 

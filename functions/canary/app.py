@@ -1,7 +1,6 @@
 """Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome.
 
-Its session is deleted: no calibration is stored or counted. Lambda counts a run that fails, since it is
-raised.
+Its session is deleted: no calibration is stored or counted.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Checks: scores a consensus on fresh views of a camera, and counts the result as a vote.
 
-A calibration that the request gives is scored instead, without a vote. A vote keeps the views, so that it can
-be counted again for each new consensus (`calibdb.rules.votes`).
+A calibration that the request gives is scored instead, without a vote.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from calibdb.compute.view_checks import computing_check
 from calibdb.errors import NotFoundError
 from calibdb.http import application
 from calibdb.lookup.camera_match import consensus_of_model, find_checked
-from calibdb.rules.corners import require_corners
+from calibdb.rules.session_rules import require_corners
 from calibdb.rules.votes import view_digest, vote_id
 from calibdb.schema import CheckAnswer, CheckRequest, RefitRequest, VoteDocument
 from calibdb.store import StreamMode

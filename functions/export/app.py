@@ -11,8 +11,7 @@ from starlette.responses import Response
 from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.http.part_checks import read_file
-from calibdb.lookup.reported_calibration import read_reported
-from calibdb.lookup.result_page import shared_page
+from calibdb.lookup.result_page import read_reported, shared_page
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery
 
 _AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}

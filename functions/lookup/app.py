@@ -1,8 +1,7 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
-A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.store.token_cache`). A
-hit by POST under a new label and platform makes `refit` store them as an alias, by which `GET
-/known/v1/<digest>/…` finds the camera.
+A hit is one Query and no write. A hit by POST under a new label and platform makes `refit` store them as an
+alias, by which `GET /known/v1/<digest>/…` finds the camera.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from calibdb.http import application, metrics
 from calibdb.lookup import reports
 from calibdb.lookup.camera_match import LookupQuery, LookupResult, find, find_by_digest
 from calibdb.lookup.estimation import estimate_for
-from calibdb.rules.corners import require_corners
+from calibdb.rules.session_rules import require_corners
 from calibdb.schema.documents import ConsensusDocument
 from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCamera
 from calibdb.schema.refit import FittingGroup, RefitRequest

@@ -1,7 +1,7 @@
 """Rig: cameras that do not move against each other, each a session, captured together.
 
-The leader, whose session is that of camera 0, makes the rig, opens moments, undoes them and ends it. An end
-is first written to the rig's document. Everything after that follows from this document and is idempotent.
+Its leader, the session of camera 0, makes it, opens and undoes moments, and ends it. Everything after the end
+follows from the rig's document and is idempotent.
 """
 
 from __future__ import annotations

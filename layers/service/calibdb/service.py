@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from calibdb.access.plans import (
     MAX_MANAGEMENT_CALLS,
     NETWORK_SHARES,
-    PLANS,
     Counter,
     Kind,
     Plan,
@@ -70,17 +69,18 @@ class Service:
 
         The environment is read once, its secrets again every five minutes.
         """
-        global _settings
-        current = _settings
-        if current is None or time.monotonic() >= current.until:
-            current = _settings = _ProcessSettings.read()
-        return _maker(current.settings)
+        global _settings, _settings_until
+        if _settings is None or time.monotonic() >= _settings_until:
+            variables, _settings_until = with_secrets(os.environ)
+            _settings = Settings.from_environment(variables)
+        return _maker(_settings)
 
     @classmethod
     @contextmanager
     def in_server(cls) -> Iterator[None]:
         """Make `of_process` return one service within the block, with a thread for pending writes."""
-        service = cls.make(_ProcessSettings.read().settings, in_background=True)
+        settings = Settings.from_environment(with_secrets(os.environ)[0])
+        service = cls.build(settings, Store.of(settings), in_background=True)
         stopping = threading.Event()
 
         def work() -> None:
@@ -138,10 +138,9 @@ class Service:
         _remembered.cache_clear()
 
     @classmethod
-    def make(cls, settings: Settings, *, in_background: bool = False) -> Service:
-        """New service of `settings`."""
-        plans = multiplied(settings.plan_factors)
-        return cls.build(settings, Store.of(settings), plans=plans, in_background=in_background)
+    def make(cls, settings: Settings) -> Service:
+        """New service over the storage of `settings`."""
+        return cls.build(settings, Store.of(settings))
 
     @classmethod
     def build(
@@ -151,12 +150,12 @@ class Service:
         clock: Callable[[], float] = time.time,
         random_hex: Callable[[int], str] = secrets.token_hex,
         token_ttl_s: float = TOKEN_TTL_S,
-        plans: Mapping[str, Plan] = PLANS,
+        plans: Mapping[str, Plan] | None = None,
         *,
         in_background: bool = False,
     ) -> Service:
         """Put a service together; `in_background`: `write_pending` is called once per `WRITE_INTERVAL_S`."""
-        ids = SessionIds(settings.session_secrets, clock)
+        ids, plans = SessionIds(settings.session_secrets, clock), plans or multiplied(settings.plan_factors)
         tokens = TokenCache(
             store.tokens, store.quotas, clock, token_ttl_s, plans, in_background=in_background
         )
@@ -273,17 +272,7 @@ class Service:
         return self.contributor(address, token.id), network(secret, address, token.id)
 
 
-@dataclass(frozen=True)
-class _ProcessSettings:
-    settings: Settings
-    until: float  # which the secrets are current, by `time.monotonic`
-
-    @classmethod
-    def read(cls) -> _ProcessSettings:
-        variables, until = with_secrets(os.environ)
-        return cls(Settings.from_environment(variables), until)
-
-
-_settings: _ProcessSettings | None = None
+_settings: Settings | None = None
+_settings_until = 0.0  # at which secrets are read again, by `time.monotonic`
 _remembered = functools.lru_cache(maxsize=8)(Service.make)
 _maker: Callable[[Settings], Service] = _remembered

@@ -66,7 +66,7 @@ def combine_evidence(
     group = family or knowledge.population(device, size)
     prior = Evidence("family" if family else "population", group.median, group.sigma).shifted(change, sigma)
     if not stated:
-        return _prior_only(prior, group, change, sigma)
+        return _prior_only(prior, group, sigma)
     # Published values are a distribution of the model's units. Without them the family is a weak prior, so
     # that one wrong statement widens the interval.
     if not any(e.basis == "published" for e in stated):
@@ -76,11 +76,12 @@ def combine_evidence(
     return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
 
 
-def _prior_only(prior: Evidence, population: Population, change: float, sigma: float) -> Distribution:
-    centre = population.median + change
+def _prior_only(prior: Evidence, population: Population, sigma: float) -> Distribution:
     below, above = population.median - population.low, population.high - population.median
     reach = _QUANTILE * sigma
-    return Distribution(centre, centre - math.hypot(below, reach), centre + math.hypot(above, reach), prior)
+    return Distribution(
+        prior.mean, prior.mean - math.hypot(below, reach), prior.mean + math.hypot(above, reach), prior
+    )
 
 
 @functools.lru_cache(maxsize=256)

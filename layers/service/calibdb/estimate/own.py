@@ -44,8 +44,7 @@ def seen(kind: str, value: float, count: int) -> Evidence:
 def other_size(kind: str, value: float, size: Size, asked: Size, count: int) -> Evidence:
     """Evidence of `count` calibrations at another size, whose `log_tan` there is `value`."""
     change, sigma = transfer(kind, size, asked)
-    here = calibrated(kind, value, count).shifted(change, sigma)
-    return Evidence("other_size", here.mean, here.sigma)
+    return replace(calibrated(kind, value, count).shifted(change, sigma), basis="other_size")
 
 
 def reported(kind: str, quantity: str, value: float, size: Size) -> Evidence:

@@ -10,12 +10,11 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping
-from typing import ParamSpec, TypeVar
+from typing import Any
 
 from calibdb.errors import DeniedReadError
 
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+InternalHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
 
 NAMESPACE = "calibDB"
 #: every metric and its unit; each costs as much in a month as 150,000 lookups
@@ -55,13 +54,13 @@ def count(now: float, *, reason: str | None = None, **values: float) -> None:
         print(document(os.environ.get("STACK_NAME", ""), now, values, reason), flush=True)
 
 
-def counting_denied_reads(handler: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+def counting_denied_reads(handler: InternalHandler) -> InternalHandler:
     """Wrap the handler of an internal function, so that denied reads are counted."""
 
     @functools.wraps(handler)
-    def wrapped(*arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+    def wrapped(event: dict[str, Any], context: Any) -> dict[str, Any]:
         try:
-            return handler(*arguments, **named)
+            return handler(event, context)
         except DeniedReadError:
             count(time.time(), DeniedReads=1)
             raise

@@ -56,9 +56,7 @@ def badge_of(
     here = [consensuses for (size, _), consensuses in group_by_mode(documents) if size == img_size]
     if not here:
         return Badge(left, "not calibrated", "grey")
-    best = max(
-        (best_consensus(consensuses) for consensuses in here), key=lambda c: (c.reliable, count_agreeing(c))
-    )
+    best = best_consensus([best_consensus(consensuses) for consensuses in here])
     if not best.reliable or best.calibration is None:
         return Badge(left, f"{count_agreeing(best)} of {thresholds.min_calibrations} calibrations", "amber")
     return Badge(left, f"calibrated ± {rough(best.calibration.uncertainty.rms)} px", "green")

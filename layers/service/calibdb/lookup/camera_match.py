@@ -146,8 +146,6 @@ def resolve(read: Callable[[str], CameraRecords], query: LookupQuery, *, private
 
 @dataclass(frozen=True)
 class _Search:
-    """One search for a camera: what is known under its own key, and reads of other keys."""
-
     read: Callable[[str], CameraRecords]
     query: LookupQuery
     identity: Identity
@@ -155,16 +153,13 @@ class _Search:
 
     @functools.cached_property
     def known(self) -> CameraRecords:
-        """All that is known under the camera's own key."""
         return self.read(self.identity.key)
 
     @functools.cached_property
     def own(self) -> CameraMatch:
-        """The match under the camera's own key."""
         return self.match(self.identity.key, self.known)
 
     def match(self, key: str, known: CameraRecords) -> CameraMatch:
-        """Choose among all that is known under `key`."""
         query = self.query
         choice = choose(known.consensuses, query.img_size, query.zoom, query.model)
         return CameraMatch(key, known.consensuses, choice)

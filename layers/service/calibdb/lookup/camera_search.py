@@ -76,7 +76,7 @@ def best_modes(
 
 def best_consensus(consensuses: Sequence[ConsensusDocument]) -> ConsensusDocument:
     """Consensus that represents a size: reliable if possible, with most calibrations."""
-    return max(consensuses, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
+    return max(consensuses, key=lambda c: (c.reliable, count_agreeing(c)))
 
 
 def count_agreeing(best: ConsensusDocument) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from calibdb.lookup.projection import axis_focal, distort_ray, rays_in_view
@@ -77,12 +77,12 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
         "uncertainty": Uncertainty(
             rms=max(lower.uncertainty.rms, upper.uncertainty.rms),
             max=max(lower.uncertainty.max, upper.uncertainty.max),
-            inside=_max_or_none(lower.uncertainty.inside, upper.uncertainty.inside),
-            covered=_min_or_none(lower.uncertainty.covered, upper.uncertainty.covered),
+            inside=_both(max, lower.uncertainty.inside, upper.uncertainty.inside),
+            covered=_both(min, lower.uncertainty.covered, upper.uncertainty.covered),
         ),
-        "spread": _max_or_none(lower.spread, upper.spread),
-        "held_out_error": _max_or_none(lower.held_out_error, upper.held_out_error),
-        "systematic": _max_or_none(lower.systematic, upper.systematic),
+        "spread": _both(max, lower.spread, upper.spread),
+        "held_out_error": _both(max, lower.held_out_error, upper.held_out_error),
+        "systematic": _both(max, lower.systematic, upper.systematic),
     }
     adapted = Adapted(
         img_size=lower.img_size,
@@ -228,12 +228,8 @@ def _adapted_to(calibration: Calibration, window: Window, img_size: tuple[int, i
     )
 
 
-def _max_or_none(one: float | None, other: float | None) -> float | None:
-    return None if one is None or other is None else max(one, other)
-
-
-def _min_or_none(one: float | None, other: float | None) -> float | None:
-    return None if one is None or other is None else min(one, other)
+def _both(choose: Callable[[float, float], float], one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else choose(one, other)
 
 
 def _fit_scale(one: Calibration, other: Calibration) -> float | None:

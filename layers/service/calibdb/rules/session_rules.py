@@ -13,7 +13,6 @@ from pydantic import JsonValue
 
 from calibdb.camera_key import camera_key, public_label, public_platform
 from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, FieldError, InvalidError, NotFoundError
-from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
     ConsensusDocument,
@@ -23,6 +22,7 @@ from calibdb.schema import (
     SessionRequest,
     ViewDocument,
 )
+from calibdb.schema.board import Board
 from calibdb.schema.membership import RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 from calibdb.schema.session import MAX_RECORDED_VIEWS, SetAside
@@ -32,6 +32,7 @@ MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can 
 MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
 MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
 ViewStatus = tuple[float | None, Mapping[str, str] | None]  # error in px; reason and detail if set aside
+_EDGE_PX = 0.5  # a pixel centre at 0 reaches from -0.5 to 0.5
 
 
 def begin(
@@ -103,7 +104,7 @@ def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewD
 
 def validate_view(document: SessionDocument, view: ViewDocument) -> None:
     """Validate `view` against board and image (InvalidError) and the session's capacity (ConflictError)."""
-    wrong = corner_errors(document.board, document.img_size, view)
+    wrong = _corner_errors(document.board, document.img_size, view)
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     _require_room(document, [view])
@@ -140,7 +141,7 @@ def validate_batch(
         require_open(document)
     wrong: list[FieldError] = []
     for n, view in enumerate(views):
-        wrong += corner_errors(document.board, document.img_size, view, f"views.{n}.")[:1]
+        wrong += _corner_errors(document.board, document.img_size, view, f"views.{n}.")[:1]
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     _require_room(document, [view for view, known in zip(views, replayed, strict=True) if known is None])
@@ -327,3 +328,33 @@ def find_seed(
         if same and consensus.reliable and consensus.calibration is not None:
             return FitRecord.model_validate(consensus.calibration.model_dump())
     return None
+
+
+def require_corners(board: Board, img_size: tuple[int, int], views: Sequence[ObservedCorners]) -> None:
+    """Raise InvalidError for views with corners that the board does not have, or outside the image."""
+    wrong = [
+        error
+        for n, view in enumerate(views)
+        for error in _corner_errors(board, img_size, view, f"views.{n}.")
+    ]
+    if wrong:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+
+
+def _corner_errors(
+    board: Board, img_size: tuple[int, int], view: ViewDocument | ObservedCorners, prefix: str = ""
+) -> list[FieldError]:
+    """Errors of the fields, whose paths begin with `prefix`."""
+    corners = board.corner_count
+    width, height = img_size
+    wrong = [
+        FieldError(f"{prefix}ids.{i}", f"the board has corners 0 to {corners - 1}")
+        for i, corner in enumerate(view.ids)
+        if corner >= corners
+    ]
+    wrong += [
+        FieldError(f"{prefix}points.{i}", f"outside the image of {width} x {height} px")
+        for i, (x, y) in enumerate(view.points)
+        if not (-_EDGE_PX <= x <= width - _EDGE_PX and -_EDGE_PX <= y <= height - _EDGE_PX)
+    ]
+    return wrong

@@ -1,18 +1,12 @@
 """Votes on a consensus by checks on fresh views: when views fit, who has a vote, and what votes decide.
 
 Three votes for a consensus confirm it although it has fewer calibrations than the rule asks for. Three votes
-against it withdraw it, even a reliable one, until new calibrations agree with it. Votes can withhold an
-answer, but never make a wrong one:
+against it withdraw it until new calibrations agree with it: from the newest calibration on, as many as those
+for it, and a third of the contributors to it. Votes can withhold an answer, but never make a wrong one:
 
-* contributors of a calibration of this camera do not vote;
-* contributors are counted by where they are (`calibdb.access.tokens.source`), and by one family of addresses
-  (`count_lines`), so that one line of the network has one vote;
-* votes against count from the newest agreeing calibration on, and withdraw only if they are as many as those
-  for it and a third of the contributors to it;
-* a consensus is measured by the checker's own data, the noise of the views and the camera that they
-  determine, since its makers choose the noise behind it;
-* images that a calibration was made of are not an independent check of it;
-* views that would fit any camera are not counted.
+* contributors of a calibration of this camera do not vote, nor do images of a calibration;
+* contributors are counted by where they are, and by one family of addresses (`count_lines`);
+* a consensus is measured by the checker's own data, since its makers choose the noise behind it.
 """
 
 from __future__ import annotations
@@ -124,9 +118,8 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
             agree.append(finding.source)
         elif finding.time >= since:
             disagree.append(finding.source)
-    if one_per_source:
-        return Votes(agree=count_lines(agree), disagree=count_lines(disagree))
-    return Votes(agree=len(agree), disagree=len(disagree))
+    count = count_lines if one_per_source else len
+    return Votes(agree=count(agree), disagree=count(disagree))
 
 
 def decide_reliability(
