@@ -1,7 +1,6 @@
 """Health: state of the service and, on request, of each of its parts.
 
-Callers need no credential. So an instance checks the parts once in ten seconds, the edge caches the response
-as long, and the gateway admits few requests.
+Callers need no credential, so the results are cached in the instance and at the edge.
 """
 
 from __future__ import annotations

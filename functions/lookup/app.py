@@ -1,7 +1,7 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
-A hit is one Query and no write. A hit by POST under a new label and platform makes `refit` store them as an
-alias, by which `GET /known/v1/<digest>/…` finds the camera.
+A hit is one Query and no write. A hit by POST makes `refit` store its label and platform as an alias, by
+which `GET /known/v1/<digest>/…` finds the camera.
 """
 
 from __future__ import annotations

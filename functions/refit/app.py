@@ -1,8 +1,7 @@
 """Refit: the consensus of the calibrations of one camera, at one size and zoom. Internal.
 
-It is idempotent and safe to run late, or at the same time as another: a result is written only over one made
-from less. A request from the queue takes the single-flight lease; if another has it, the request marks the
-lease and ends, and the holder repeats its work. One that fails every time goes to the dead-letter queue.
+It is idempotent, and safe late or concurrently: a result is written only over one made from less. A request
+from the queue takes the single-flight lease; if another has it, the holder repeats its work.
 """
 
 from __future__ import annotations

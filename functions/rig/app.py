@@ -1,7 +1,6 @@
 """Rig: cameras that do not move against each other, each a session, captured together.
 
-Its leader, the session of camera 0, makes it, opens and undoes moments, and ends it. Everything after the end
-follows from the rig's document and is idempotent.
+Everything after the end of a rig follows from its document and is idempotent.
 """
 
 from __future__ import annotations

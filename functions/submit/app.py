@@ -1,8 +1,7 @@
 """Submit: decide on a view, refit the camera and choose the next pose; undo a view; finish a recording.
 
-The view that makes a live session converge ends it; a recorded session is ended by its client. Everything
-after that follows from the session's document and is idempotent: a client that repeats its last view
-completes what a crash left undone.
+Everything after the end of a session follows from its document and is idempotent: a client that repeats its
+last view completes what a crash left undone.
 """
 
 from __future__ import annotations

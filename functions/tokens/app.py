@@ -1,7 +1,6 @@
 """Tokens: people make API tokens for themselves, prove their origins, watch their use, rotate and revoke.
 
-An origin may have any number of tokens, each with its own proof, and no response reveals whether there are
-any.
+No response reveals whether an origin has other tokens.
 """
 
 from __future__ import annotations

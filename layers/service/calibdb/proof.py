@@ -1,8 +1,7 @@
 """Proof of an origin: a file on it, fetched by one GET over HTTPS, within bounds of time and size.
 
-The name is resolved once. Each of its addresses must be public, the connection goes to one of these
-addresses, and the peer's address is checked again: a name that resolves to something else later changes
-nothing. TLS verifies the name. No redirect is followed and no cookie is kept.
+The name is resolved once. Each of its addresses must be public, the connection goes to one of them, and the
+peer's address is checked again. TLS verifies the name. No redirect is followed and no cookie is kept.
 """
 
 from __future__ import annotations

@@ -201,7 +201,7 @@ class Service:
     def managed_token(self, text: str) -> ApiToken:
         """Token, revoked or not, that the management token `text` manages, as the bucket has it.
 
-        Raises ForbiddenError, the same and as fast for unknown tokens and wrong secrets.
+        ForbiddenError is the same, and as fast, for unknown tokens and wrong secrets.
         """
         parts = parse(text, "cdbm")
         token = self.store.tokens.read(parts[0]) if parts else None
@@ -245,7 +245,7 @@ class Service:
     def charge(self, token: ApiToken, kind: Kind, address: str) -> tuple[RateLimit, ...]:
         """Count a call against this hour's share of the contributor, of their line, of all; TooManyError.
 
-        In this order, so that an exhausted contributor takes nothing from the others.
+        An exhausted contributor takes nothing from the others.
         """
         allowed, now = self.plan_of(token), self.now
         each, together = getattr(allowed.each, kind), getattr(allowed.together, kind)

@@ -186,8 +186,7 @@ def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews
 def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_version: str) -> str:
     """Hash what a pooled consensus follows from: SHA-256, in hex; `ids`: of calibrations, the newest first.
 
-    The digest is stored with each consensus. So the hashed text is written out here: it stays the same when a
-    field of the thresholds is renamed.
+    The digest is stored. So the hashed text does not depend on names of fields.
     """
     t = thresholds
     rule = (

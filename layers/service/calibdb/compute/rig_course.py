@@ -48,7 +48,7 @@ def head_tag(store: Store, rig_id: str) -> str | None:
 def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
     """Fit and target of a rig, computed now if they are not stored yet, which counts as a view.
 
-    Raises ConflictError if these moments take too long, now or before (`too_slow`).
+    Raises ConflictError if these moments take or took too long.
     """
     rigs, basis = call.store.rigs, rig.basis(FIT_VERSION)
     digest = rig.digest(basis)

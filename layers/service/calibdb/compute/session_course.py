@@ -131,8 +131,8 @@ class Batch:
 class Course:
     """Course of one session while views are offered to it.
 
-    `document`: the session with all views accepted so far. `who`, `where`: keyed hashes of the contributor
-    and of their source. `explains`: False: views are judged without advice, which `explain` adds.
+    `who`, `where`: keyed hashes of the contributor and of their source. `explains`: with advice, which
+    `explain` adds otherwise.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 """Angles of a pinhole: diagonal, horizontal and vertical fields of view, focal lengths, and their logarithm.
 
-Evidence is combined as the logarithm of the tangent of half the horizontal angle: zoom and crop add to it.
+Zoom and crop add to the logarithm of the tangent of half the horizontal angle.
 """
 
 from __future__ import annotations

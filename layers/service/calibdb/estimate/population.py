@@ -74,8 +74,8 @@ def population(values: Sequence[float]) -> Population:
 def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | None:
     """Predict the next model of a maker from the models of all makers, keyed by maker and model.
 
-    Random effects: makers deviate from the kind's mean, and models from their maker's. The deviation within
-    makers is pooled, since few models may be alike by chance. None if too few models are known.
+    Random effects: makers deviate from the kind's mean, and models from their maker's, by a pooled deviation.
+    None if too few models are known.
     """
     makers: dict[str, list[float]] = defaultdict(list)
     for (each, _), value in values.items():

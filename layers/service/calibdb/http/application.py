@@ -1,7 +1,4 @@
-"""HTTP application of a function: routes, each a plain function from `Call` to a Starlette response.
-
-One Lambda instance serves one event at a time, so that nothing waits asynchronously.
-"""
+"""HTTP application of a function: routes, each a plain function from `Call` to a Starlette response."""
 
 from __future__ import annotations
 

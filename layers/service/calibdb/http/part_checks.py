@@ -1,7 +1,6 @@
 """Checks of the parts that the service needs, each with its own time limit, cached for some seconds.
 
-A part that does not respond keeps its thread; meanwhile it is not checked again, so that there are never more
-threads than parts. The error of a failed part goes only to the log.
+A part that does not respond keeps its thread, and is not checked again meanwhile. Errors go only to the log.
 """
 
 from __future__ import annotations

@@ -132,8 +132,8 @@ def unanswerable_reason(query: LookupQuery, *, private: bool) -> str | None:
 def resolve(read: Callable[[str], CameraRecords], query: LookupQuery, *, private: bool) -> CameraMatch:
     """Resolve a query to the key under which its camera is known (docs/camera-keys.md, "In which order").
 
-    `private`: the database is that of one person, who has few cameras. `read` is called once if the camera is
-    known under its own key and no other camera of its name is well known; never more than twice.
+    `private`: the database is that of one person, who has few cameras. `read` is called at most twice, and
+    once if the camera is known under its own key and no other of its name is well known.
     """
     search = _Search(read, query, query.identity, private)
     own, has_id, is_distinct = search.own, search.identity.usb_id is not None, search.identity.distinct
@@ -232,8 +232,7 @@ def find(
 ) -> LookupResult:
     """Result of a lookup.
 
-    `read`, `private`: as of `resolve`. `compute`: computes the model, which was not requested before, from
-    the stored keypoints of a camera key at a size.
+    `read`, `private`: as of `resolve`. `compute`: computes the model of a camera key at a size.
     """
     size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
     why = unanswerable_reason(wanted, private=private)

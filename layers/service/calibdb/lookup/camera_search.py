@@ -41,8 +41,8 @@ def has_words(terms: Sequence[str], name: str, consensuses: Sequence[ConsensusDo
 def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -> bool:
     """True if a search shows a camera to callers who do not know its key.
 
-    A label is whatever its sender wrote. So a camera is shown once a consensus is reliable, or calibrations
-    of two contributors agree. If one contributor suffices for everything, the first consensus suffices.
+    A label is whatever its sender wrote. So a consensus must be reliable, or of two contributors, or the only
+    contributor's of a private database.
     """
     enough = min(_MIN_LISTED_CONTRIBUTORS, min_contributors)
     return (enough == 1 and bool(consensuses)) or any(

@@ -1,7 +1,4 @@
-"""Reports of lookups: misses are counted by camera, and names under which a camera was found become aliases.
-
-One instance reports its first miss at once and the others now and then, and each name once per day.
-"""
+"""Reports of lookups: misses, counted by camera, and names of cameras, which become aliases."""
 
 from __future__ import annotations
 
@@ -74,8 +71,8 @@ def miss_report(
 ) -> RefitRequest | None:
     """Count a miss; return the counts if they are due.
 
-    A camera is counted by its key only if others have calibrated it, since a key has parts of a label, which
-    is whatever its sender wrote; else by its USB id.
+    By the camera's key only if others have calibrated it, since a key has parts of a label; else by its USB
+    id.
     """
     if not found.key:
         return None

@@ -100,7 +100,7 @@ def bracketing_zooms(
     """Reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
     The focal lengths must grow over all calibrated zooms, and not double from one to the next. None also if
-    calibrations disagree at this zoom. Zoom 0 comes from browsers that know none, and may be any.
+    calibrations disagree at this zoom. Zoom 0 is unknown.
     """
     if any((c.img_size, c.zoom, c.reason) == (img_size, zoom, "disagree") for c in consensuses):
         return None
@@ -126,8 +126,8 @@ def bracketing_zooms(
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
     """Relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
 
-    No relation if the calibrations are too uncertain to tell; no window if there is none, or if `other` shows
-    more than `one`. Cached: a comparison takes a millisecond.
+    No relation of uncertain calibrations; no window if `other` shows more than `one`. Cached: a comparison
+    takes a millisecond.
     """
     (w, h), (ow, oh) = one.img_size, other.img_size
     if any(c.uncertainty.rms > _MAX_UNCERTAINTY * c.img_size[0] for c in (one, other)):
@@ -267,7 +267,7 @@ def _common_rays(
 ) -> list[tuple[tuple[float, float], tuple[float, float], float]]:
     """Points of either picture, px from the principal points, and weights of rays that both see.
 
-    Rays are as dense on every circle, so the image's area goes with the radius.
+    Rays are as dense on every circle, so weights are radii.
     """
     (fx, _, cx), (_, fy, cy), _ = one.camera_matrix
     (_, _, ox), (_, _, oy), _ = other.camera_matrix

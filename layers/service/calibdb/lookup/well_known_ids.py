@@ -1,7 +1,7 @@
 """Well-known USB ids: those that are calibrated well enough to identify the camera of a name.
 
-Anyone can invent a USB id. So an id counts under its name only once it has a reliable consensus, or once as
-many contributors agree on one as a reliable one needs. Every new consensus refreshes this.
+Anyone can invent a USB id. So an id counts under its name only once it has a reliable consensus, or one of as
+many contributors as a reliable one needs.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ _MAX_ROUNDS = 5
 def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
     """Mark the camera as well known under its name, or not, by its calibrations at every size and zoom.
 
-    Of two concurrent computations the one that has seen less may write last. So each looks again after its
-    write.
+    Of concurrent computations the one that has seen less may write last. So each looks again.
     """
     for _ in range(_MAX_ROUNDS):
         if not _refresh_once(store, camera_key, thresholds):

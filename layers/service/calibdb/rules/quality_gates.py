@@ -30,10 +30,7 @@ def is_evidence(document: CalibrationDocument) -> bool:
 
 
 def is_confirmable(calibration: Calibration) -> bool:
-    """True if a consensus is as precise as a reliable one, and of clean corners.
-
-    Its uncertainty includes the differences between specimens, which one calibration cannot know.
-    """
+    """True if a consensus is as precise as a reliable one, and of clean corners."""
     width = calibration.img_size[0]
     return (
         stated_error(calibration.uncertainty) <= MAX_CONFIRMABLE_PER_WIDTH * width

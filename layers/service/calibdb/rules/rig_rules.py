@@ -1,8 +1,7 @@
 """Rules of a rig, as pure functions from one rig document to the next.
 
-Position 0 is the leader's, who made the rig; others take the lowest free position, or the one they want. The
-leader opens a moment before cameras send views of it. An undone moment is never opened again. A finished rig
-no longer changes; what it ends with is all in its document.
+Position 0 is the leader's, who made the rig. The leader opens a moment before cameras send views of it. An
+undone moment is never opened again. A finished rig no longer changes.
 """
 
 from __future__ import annotations
@@ -235,8 +234,7 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     """True if `view` replays one that this session of a rig has; False if its moment is open.
 
-    The moment identifies a view, not its index: a client that was offline sends late. Raises ConflictError if
-    the moment carries another view.
+    The moment identifies a view, not its index. Raises ConflictError if the moment carries another view.
     """
     known = next((one for one in session.views if one.moment == view.moment), None)
     return session_rules.is_replay(session, known, view, "This camera has another view of the moment.")

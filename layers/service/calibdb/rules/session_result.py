@@ -41,7 +41,7 @@ def calibration_id(document: SessionDocument) -> str:
 def calibration_name(sid: str, first_version: int) -> str:
     """Second part of a calibration id, from which no session follows.
 
-    Ids are public. So they contain only the day of the time with which names of sessions begin.
+    Ids are public, so they contain only the day of the session's start.
     """
     day = int(sid[:8], 16) // _DAY_S * _DAY_S
     return f"{day:08x}{hashlib.sha256(f'{sid}/{first_version}'.encode()).hexdigest()[:12]}"

@@ -1,8 +1,7 @@
 """Rules of a capture session, as pure functions from one session document to the next.
 
-The open pose carries `next_index`, which an accepted view takes. An index is never used again, not even when
-its view is undone: a delayed replay of an undone view is a conflict and does not bring the view back. A
-converged session is published and no longer changes.
+The open pose carries `next_index`, which an accepted view takes. An index is never used again: a delayed
+replay of an undone view is a conflict. A converged session no longer changes.
 """
 
 from __future__ import annotations
@@ -80,7 +79,7 @@ def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
 def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
     """True if `view` replays one that was accepted before; False if its index is open.
 
-    Raises ConflictError if the index carries another view, was undone, or is not open (yet).
+    Raises ConflictError if the index carries another view or is not open.
     """
     known = next((one for one in document.views if one.index == view.index), None)
     if is_replay(document, known, view, "Another view was accepted under this index."):
@@ -115,9 +114,8 @@ def validate_batch(
 ) -> list[ViewDocument | None]:
     """Validate a batch as `validate_view` does; for each view, find the one that an earlier request added.
 
-    InvalidError has the first error of each bad view. Also raises ConflictError for a session that is not
-    recorded, or has converged, or if the index is not open yet, or a view was undone that has it or a later
-    one.
+    InvalidError has the first error of each bad view. Also raises ConflictError if the session is not
+    recorded or has converged, or the index is not open.
     """
     if document.capture != "recorded" or document.rig is not None:
         raise ConflictError(
@@ -204,7 +202,7 @@ def with_duplicate(document: SessionDocument) -> SessionDocument:
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None if it is there already.
 
-    It never becomes part of the result. When more views like it come, the accepted ones were wrong.
+    When more views like it come, the accepted ones were wrong.
     """
     if _same_corners(document.doubted, view) is not None:
         return None
@@ -214,7 +212,7 @@ def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDo
 def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
     """Remove the view of `index` and return the others; None if it was undone before.
 
-    Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
+    Raises ConflictError or NotFoundError.
     """
     require_open(document)
     if index >= document.next_index:

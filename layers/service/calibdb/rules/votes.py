@@ -67,8 +67,8 @@ def decide_vote(
 ) -> bool | None:
     """Decide whether views vote for a consensus (True), against it (False), or neither (None).
 
-    `own`: the camera that the views determine, None if they do not. If its model is another, it may differ in
-    corners that the views do not reach. So a difference is not a vote against.
+    `own`: the camera that the views determine, if they do. One of another model may differ where the views do
+    not reach.
     """
     if not is_explained(error, noise, width, ratio):
         return False
@@ -92,8 +92,7 @@ def view_digest(ids: Sequence[int], points: Sequence[Sequence[float]]) -> str:
 def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: int, period: int) -> str:
     """Id of a vote: the same for all checks that are one vote, of one camera at one size.
 
-    These are a source's within `period` seconds; if all are the same contributor (`period` 0), those of one
-    session. Ids sort by time, to the period.
+    These are a source's within `period` seconds, or a session's if all are the same contributor (`period` 0).
     """
     # Names of sessions begin with the time of their start.
     voter, moment = (source, f"{now // period * period:08x}") if period else (sid, sid[:8])
@@ -105,7 +104,6 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
     """Count votes, the newest first; those against a consensus only from `since` on, its newest calibration.
 
     `sources`: of the considered calibrations. `one_per_source`: True if contributors can be distinguished.
-    Each source then has one vote, the newest.
     """
     agree: list[str] = []
     disagree: list[str] = []
@@ -127,8 +125,8 @@ def decide_reliability(
 ) -> tuple[Reason | None, Basis | None]:
     """Decide why a consensus is not reliable, or on what basis it is.
 
-    `found`: reason why its calibrations do not make it reliable. `confirmable`: True if only more
-    calibrations like these are missing. `contributors`: of the agreeing group.
+    `found`: reason by its calibrations. `confirmable`: only more calibrations like these are missing.
+    `contributors`: of the agreeing group.
     """
     doubts = max(thresholds.min_votes, math.ceil(thresholds.min_doubt * contributors))
     if votes.disagree >= doubts and votes.disagree >= votes.agree:
@@ -167,6 +165,6 @@ def family(source: str) -> str:
 def count_lines(sources: Iterable[str]) -> int:
     """Number of different sources in the larger family of addresses.
 
-    One line of the network commonly has an IPv4 and an IPv6 address, which must not count twice.
+    A line with both an IPv4 and an IPv6 address must not count twice.
     """
     return max(Counter(map(family, set(sources))).values(), default=0)
