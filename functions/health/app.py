@@ -63,9 +63,7 @@ def _prepare_solver() -> Callable[[], None]:
     return solve
 
 
-@functools.lru_cache(maxsize=4)
-def _checks_of(settings: Settings) -> Checks:
-    return Checks(settings)
+_checks_of = functools.lru_cache(maxsize=4)(Checks)
 
 
 def health(call: application.Call) -> Response:

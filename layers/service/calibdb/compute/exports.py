@@ -80,8 +80,14 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
     options = ReaderOptions(
         img_size=request.img_size, number=request.number, model=request.distortion_model or ""
     )
+    content = request.file.encode()
+    if request.encoding != "text":
+        try:
+            content = base64.b64decode(request.file, validate=True)
+        except ValueError as error:
+            raise InvalidError.field("file", f"it is not base64: {error}") from error
     try:
-        camera_file = read_bytes(_content_of(request), "", options)
+        camera_file = read_bytes(content, "", options)
     except CalibrationError as error:
         said = _COMMAND_LINE.sub("", visible(str(error)[:_MAX_MESSAGE_LENGTH]))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
@@ -121,15 +127,6 @@ def _with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource
     except (CalibrationError, ValueError) as error:
         raise InvalidError.field("file", f"its corners are those of no board: {error}") from error
     return replace(source, board=board, views=views_on_board)
-
-
-def _content_of(request: ConvertRequest) -> bytes:
-    if request.encoding == "text":
-        return request.file.encode()
-    try:
-        return base64.b64decode(request.file, validate=True)
-    except ValueError as error:
-        raise InvalidError.field("file", f"it is not base64: {error}") from error
 
 
 def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:

@@ -16,7 +16,7 @@ from calibdb.errors import ConflictError
 from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import accepted_result
-from calibdb.schema import BatchRequest, EstimateDocument, SessionDocument, ViewDocument
+from calibdb.schema import BatchRequest, EstimateDocument, FitRecord, SessionDocument, ViewDocument
 from calibdb.schema.session import BatchResult, Hint, Refusal
 from calibsolver import CalibrationError, Camera, DeadlineError, View
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision
@@ -300,7 +300,8 @@ def _end(
     indices = [view.index for view in document.views if view.set_aside is None]
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
     judged = with_rivals(estimate.calibration, used)
-    ended = session_rules.with_fit(document, record_covered(judged, Coverage.of(judged, used)))
+    fit = FitRecord.model_validate(record_covered(judged, Coverage.of(judged, used)))
+    ended = document.model_copy(update={"estimate": document.estimate.model_copy(update={"fit": fit})})
     described = report.describe(judged, used, indices)
     return session_result.with_finish(ended, now, who, FIT_VERSION, described, where)
 
@@ -310,7 +311,7 @@ def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecisi
     if decision.quarantine:
         return session_rules.with_quarantined(document, view)
     if decision.reason == "duplicate":
-        return session_rules.with_duplicate(document)
+        return document.model_copy(update={"duplicates": document.duplicates + 1})
     return document if decision.seed_rejected else None
 
 

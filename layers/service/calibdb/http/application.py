@@ -151,16 +151,11 @@ def _service() -> Service:
 
 
 def problem_response(error: CalibdbError) -> Response:
-    """Response of an error."""
-    return _document_response(error.problem(), error.status, error.headers)
-
-
-def _document_response(
-    document: Mapping[str, Any], status: int, headers: Mapping[str, str] | None
-) -> Response:
-    """Response of a problem document, its type an address of the guidance page's site."""
-    absolute = {**document, "type": urljoin(os.environ.get("GUIDANCE_URL", ""), document["type"])}
-    return Response(json.dumps(absolute, ensure_ascii=False).encode(), status, headers, _PROBLEM)
+    """Response of an error, its type an address of the guidance page's site."""
+    document = error.problem()
+    document["type"] = urljoin(os.environ.get("GUIDANCE_URL", ""), PROBLEMS + error.kind)
+    content = json.dumps(document, ensure_ascii=False).encode()
+    return Response(content, error.status, error.headers, _PROBLEM)
 
 
 async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
@@ -175,13 +170,10 @@ async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
 async def _on_http_exception(_: Request, raised: Exception) -> Response:
     error = cast("HTTPException", raised)
     title = HTTPStatus(error.status_code).phrase.capitalize()
-    body = {
-        "type": PROBLEMS + title.lower().replace(" ", "-"),
-        "title": title,
-        "status": error.status_code,
-        "detail": _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {}),
-    }
-    return _document_response(body, error.status_code, error.headers)
+    detail = _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {})
+    problem = CalibdbError(detail, kind=title.lower().replace(" ", "-"), headers=error.headers)
+    problem.status, problem.title = error.status_code, title
+    return problem_response(problem)
 
 
 async def _on_unhandled(_: Request, __: Exception) -> Response:

@@ -28,8 +28,6 @@ _MAX_OVERHANG = 0.02  # of a side by which a crop may stick out
 _MIN_SCALE_LOG = 0.03  # by which "scale+crop" differs from the plain ones, or is a bad fit of these
 _MIN_COMMON_RAYS = 40  # rays that both must see
 
-Matrix = tuple[Row, Row, Row]
-
 
 @dataclass(frozen=True)
 class Window:
@@ -150,7 +148,7 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
     return "neither", None
 
 
-def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple[float, ...]]:
+def transfer_intrinsics(one: Calibration, window: Window) -> tuple[tuple[Row, Row, Row], tuple[float, ...]]:
     """Transfer camera matrix and distortion to the picture that `window` makes from `one`'s.
 
     Pixel centres are whole numbers, so c' = (c + ½) s − ½ − o.
@@ -161,11 +159,6 @@ def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple
     y = (cy + 0.5) * window.sy - 0.5 - (window.sy * h - oh) / 2
     matrix = ((fx * window.sx, skew * window.sx, x), (0.0, fy * window.sy, y), (0.0, 0.0, 1.0))
     return matrix, one.distortion_coefficients
-
-
-def scaling_window(one: Calibration, size: tuple[int, int]) -> Window:
-    """Window of the same picture at another size."""
-    return Window(size[0] / one.img_size[0], size[1] / one.img_size[1], size)
 
 
 def closeness(size: tuple[int, int], requested: tuple[int, int]) -> tuple[bool, float, float]:
@@ -215,7 +208,8 @@ def _relate_and_adapt(
         lower = [c for c in alike if c.img_size[0] < requested[0]]
         upper = [c for c in alike if c.img_size[0] > requested[0]]
         if lower and upper and found in alike and relate(lower[-1], upper[0])[0] == "scale":
-            window = scaling_window(found, requested)
+            (w, h), (width, height) = found.img_size, requested
+            window = Window(width / w, height / h, requested)
             return "scale", _adapted_to(found, window, requested)
     closest = min(others, key=lambda c: closeness(c.img_size, found.img_size))
     return relate(found, closest)[0], None

@@ -21,7 +21,7 @@ from calibdb.schema.rig import (
     RigMoment,
     SetAsideReason,
 )
-from calibdb.schema.rig_documents import RigFit
+from calibdb.schema.rig_documents import RigFit, SkipsDocument
 
 INITIAL_ERROR_PER_WIDTH = 0.03
 """Predicted error, px / image width, from which progress is measured."""
@@ -80,16 +80,14 @@ class Rig:
 
     def digest(self, basis: str) -> str:
         """Digest of fit and target: of the views, and of targets not wanted."""
-        skips = self.document.skips
-        if skips is None or skips.basis != basis:
+        skips = self._skips(basis)
+        if skips is None:
             return basis
         return hashlib.sha256(skips.model_dump_json().encode()).hexdigest()[:32]
 
     def solver_record(self, basis: str) -> dict[str, Any]:
         """Plain values from which the solver computes fit and target."""
-        skips = self.document.skips
-        if skips is not None and skips.basis != basis:
-            skips = None
+        skips = self._skips(basis)
         return {
             "board": self.document.board.model_dump(),
             "cameras": [_camera(session) for session in self.sessions],
@@ -100,6 +98,10 @@ class Rig:
             "skipped": skips.poses if skips else (),
             "missed": skips.missed if skips else 0,
         }
+
+    def _skips(self, basis: str) -> SkipsDocument | None:
+        skips = self.document.skips
+        return skips if skips is not None and skips.basis == basis else None
 
     def _used_moments(self) -> Moments:
         """Moments with the views that no session has set aside."""

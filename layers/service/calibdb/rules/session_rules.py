@@ -194,11 +194,6 @@ def with_view(
     )
 
 
-def with_duplicate(document: SessionDocument) -> SessionDocument:
-    """Count a duplicate."""
-    return document.model_copy(update={"duplicates": document.duplicates + 1})
-
-
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None if it is there already.
 
@@ -259,12 +254,6 @@ def with_advice(document: SessionDocument, estimate: EstimateDocument) -> Sessio
     suggested = estimate.suggested_model or document.estimate.suggested_model
     advised = {"advice": estimate.advice, "suggested_model": suggested}
     return document.model_copy(update={"estimate": document.estimate.model_copy(update=advised)})
-
-
-def with_fit(document: SessionDocument, record: Mapping[str, JsonValue]) -> SessionDocument:
-    """Replace the fit of the document's estimate."""
-    fitted = document.estimate.model_copy(update={"fit": FitRecord.model_validate(record)})
-    return document.model_copy(update={"estimate": fitted})
 
 
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:

@@ -5,13 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from calibdb.lookup.transfer import (
-    bracketing_zooms,
-    build_answer,
-    relate,
-    scaling_window,
-    transfer_intrinsics,
-)
+from calibdb.lookup.transfer import Window, bracketing_zooms, build_answer, relate, transfer_intrinsics
 from calibdb.schema import Calibration, ConsensusDocument, FitRecord, LookupAnswer
 from calibsolver import fit as solve
 from tests.helpers.data import corner_views, external_data
@@ -165,7 +159,7 @@ def test_relation_transfers_the_intrinsics(size: Size, s: float, relation: str) 
 def test_half_a_pixel_is_kept() -> None:
     """The middle of the picture stays the middle: c' = (c + ½) s − ½."""
     of = camera(fit((1280, 720), 900.0, (639.5, 359.5)))
-    (_, _, x), (_, _, y), _ = transfer_intrinsics(of, scaling_window(of, (640, 360)))[0]
+    (_, _, x), (_, _, y), _ = transfer_intrinsics(of, Window(0.5, 0.5, (640, 360)))[0]
     assert (x, y) == (319.5, 179.5)
 
 
