@@ -1,4 +1,4 @@
-"""Auth: exchanges an API token for the signed, short-lived id of one guided capture."""
+"""Auth: exchanges an API token for the signed id of one guided capture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from calibdb.schema import SessionOpened
 
 
 def open_session(call: application.Call) -> Response:
-    """Issue a session id, which contains all that is known of the session; only a count is stored."""
+    """Issue a session id; only a count is stored."""
     token = call.api_token(charge="sessions")
     session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
     return application.json_response(SessionOpened(session_id=session_id, expires_at=expires_at), 201)

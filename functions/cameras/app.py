@@ -28,7 +28,7 @@ _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization
 
 
 def search(call: application.Call) -> Response:
-    """Search the cameras whose names have words that begin with those of the query."""
+    """Search cameras by the beginnings of words."""
     call.api_token()
     request = call.query(CamerasRequest)
     terms = camera_search.query_words(request.query)

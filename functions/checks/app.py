@@ -22,7 +22,7 @@ from calibdb.store import StreamMode
 
 
 def check(call: application.Call) -> Response:
-    """Return whether the consensus fits the views, and its votes, or the requested comparison."""
+    """Check a consensus or a given calibration."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
     require_corners(request.board, request.img_size, request.views)
@@ -55,7 +55,7 @@ def check(call: application.Call) -> Response:
 def vote(
     call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
-    """Count the check as a vote; False if the contributor has none, or for images of a calibration."""
+    """Count a check; False if its contributor has no vote, or for images of a calibration."""
     service = call.service
     thresholds = service.settings.thresholds
     where = service.source(call.address)

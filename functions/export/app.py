@@ -1,4 +1,4 @@
-"""Export: calibrations, consensuses and other tools' files as other tools' files, and pages of results."""
+"""Export: calibrations and files as other tools' files, and pages of results."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def convert(call: application.Call) -> Response:
 
 
 def show_page(call: application.Call) -> Response:
-    """Page of results with the title of one; if this fails, the edge sends the page."""
+    """Page of results with the title of one; the edge has the page if this fails."""
     language = call.request.path_params.get("language", "")
     if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
         raise NotFoundError("The site has no such page.")

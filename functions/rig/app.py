@@ -55,7 +55,7 @@ def open_moment(call: application.Call) -> Response:
 
 
 def undo_moment(call: application.Call) -> Response:
-    """Undo a moment in all cameras. Views of it that come late do not count."""
+    """Undo a moment in all cameras."""
     sid = call.session(charge="views").sid
     rig_id = call.path("id")
     rig_course.undo_moment(call.with_time_for_a_rig(), rig_id, sid, call.path("moment"))

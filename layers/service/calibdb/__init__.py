@@ -1,4 +1,4 @@
-"""Shared code of all functions: schema, errors, HTTP, access, camera keys, rules, storage, lookup.
+"""Shared code of all functions.
 
 Only `calibdb.compute` imports the solver.
 """

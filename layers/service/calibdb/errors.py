@@ -135,7 +135,7 @@ class InvalidError(CalibdbError):
 
 
 class TooManyError(CalibdbError):
-    """The plan's calls of this hour, or this contributor's share of them, are used up."""
+    """The plan's calls of this hour, or a share of them, are used up."""
 
     status, kind, title = 429, "quota", "Quota used up"
 

@@ -51,7 +51,7 @@ Connect = Callable[[str, float], socket.socket]
 
 
 class ProofError(Exception):
-    """No proof could be read; `reason` says at which step."""
+    """No proof could be read."""
 
     def __init__(self, reason: ProofFailure) -> None:
         super().__init__(reason)
@@ -156,7 +156,7 @@ def _seconds_left(deadline: float) -> float:
 
 
 def _shake_hands(secured: ssl.SSLSocket, deadline: float) -> None:
-    """Shake hands before the deadline: a peer that sends single bytes restarts every other time limit."""
+    """Shake hands before the deadline: single bytes restart every other time limit."""
     secured.settimeout(0.0)
     while True:
         try:

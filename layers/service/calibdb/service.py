@@ -1,4 +1,4 @@
-"""Service context of a handler: settings, clock, credentials, storage, built once for an environment."""
+"""Service of a handler: settings, clock, credentials and storage."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Service:
     @classmethod
     @contextmanager
     def in_server(cls) -> Iterator[None]:
-        """Make `of_process` return one service within the block, with a thread for pending writes."""
+        """Have `of_process` return one service within the block, with a thread for pending writes."""
         settings = Settings.from_environment(with_secrets(os.environ)[0])
         service = cls.build(settings, Store.of(settings), in_background=True)
         stopping = threading.Event()
@@ -99,7 +99,7 @@ class Service:
 
     @property
     def writes_later(self) -> bool:
-        """True in a server, which writes what no response needs once per `WRITE_INTERVAL_S`."""
+        """True in a server, which calls `write_pending` once per `WRITE_INTERVAL_S`."""
         return self._writes is not None
 
     def write_later(self, write: Callable[[], None]) -> None:
@@ -110,7 +110,7 @@ class Service:
             self._writes.append(write)
 
     def write_pending(self) -> None:
-        """Write counted lookups, and run what `write_later` has gathered."""
+        """Write counted lookups, and what `write_later` gathered."""
         try:
             self._tokens.write_pending()
             while self._writes:
@@ -224,7 +224,7 @@ class Service:
         return plan(token.plan, self._plans)
 
     def token_of(self, ticket: Ticket) -> ApiToken:
-        """Token that opened a session; raises ForbiddenError once it is revoked."""
+        """Token that opened a session; raises ForbiddenError."""
         token = self._tokens.get(ticket.token)
         if token is None:
             raise ForbiddenError("The API token that opened this session is no longer valid.")
@@ -239,7 +239,7 @@ class Service:
         return source(self.settings.contributor_secret, address)
 
     def count_lookup(self, token: ApiToken, address: str) -> tuple[RateLimit, ...]:
-        """Count a read with an API token in memory, and return what is left; raises TooManyError."""
+        """Count a read in memory, and return what is left; raises TooManyError."""
         return self._tokens.count_lookup(token, *self._shares(token, address))
 
     def charge(self, token: ApiToken, kind: Kind, address: str) -> tuple[RateLimit, ...]:

@@ -1,4 +1,4 @@
-"""Settings of the deployment, read from the environment that the template sets."""
+"""Settings of the deployment, from the environment."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 
 class SettingsError(ValueError):
-    """A variable of the environment is missing or invalid; the message names it."""
+    """A variable is missing or invalid; the message names it."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def _overrides(text: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of one function; equal environments give equal settings."""
+    """Settings of one function."""
 
     table_name: str
     bucket_name: str

@@ -1,4 +1,4 @@
-"""Calibrations and rigs as other tools' files, such files in other formats, and refits without some views."""
+"""Calibrations, rigs and files as other tools' files, and refits without some views."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
 def to_file(
     found: ReportedCalibration, document: CalibrationDocument | None, query: ExportQuery
 ) -> ExportedFile:
-    """Write the calibration as a file; raises InvalidError if the format cannot contain it."""
+    """Write the calibration as a file; raises InvalidError."""
     source = ExportSource(
         camera=camera_of(found),
         name=found.camera,
@@ -115,7 +115,7 @@ def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Respons
 
 
 def _with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
-    """Source with the corners of its file: pages read only PhotonVision's."""
+    """Add the corners of the file: pages read only PhotonVision's."""
     from calibsolver.formats.grid import grid
 
     try:
@@ -130,7 +130,7 @@ def _with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource
 
 
 def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
-    """Write the result of a rig; raises InvalidError if the format cannot contain it."""
+    """Write the result of a rig as a file; raises InvalidError."""
     from calibsolver.rig import formats as rig_formats
 
     source = rig_formats.RigSource(

@@ -37,13 +37,13 @@ from calibsolver.fitting.resection import reprojection_score
 
 @dataclass(frozen=True)
 class MeasuredViews:
-    """Fresh views without misread corners, measured without the consensus."""
+    """Fresh views without misread corners."""
 
     views: tuple[ViewDocument, ...]
     noise: float
     """px rms under a camera fitted to them."""
     own: FitRecord | None
-    """That camera; None if they say nothing of some part of the image."""
+    """That camera; None if part of the image is undetermined."""
     board_shape: ShapeDocument | None
     """Shape of the board that both refer to; None: as drawn."""
 
@@ -64,7 +64,7 @@ def pool(
     thresholds: Thresholds,
     pool_digest: str,
 ) -> tuple[ConsensusDocument, GroupsDocument]:
-    """Pool `documents`, all of one mode: their consensus before any vote, and its groups and errors."""
+    """Pool the calibrations of a mode: their consensus before any vote, and its groups."""
     stored = functools.partial(
         ConsensusDocument,
         camera_key=mode.camera_key,
@@ -117,7 +117,7 @@ def pool(
 def _is_consistent(
     agreed: consensus.Consensus, pool: Callable[[consensus.Rule], consensus.Consensus], rule: consensus.Rule
 ) -> bool:
-    """True if few calibrations would make a reliable consensus if they were enough."""
+    """True if only the number of calibrations is too small."""
     few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
     return agreed.consistent if rule.min_contributors < 2 else pool(few).reliable
 
@@ -144,7 +144,7 @@ def count(
     sources: frozenset[str],
     thresholds: Thresholds,
 ) -> Votes:
-    """Score the views of every vote under the consensus as it is now, and count."""
+    """Count the votes by the scores of their views."""
     calibration = document.calibration
     if calibration is None:
         return Votes()
@@ -160,7 +160,7 @@ def count(
 
 
 def _member(document: CalibrationDocument) -> consensus.Member | None:
-    """Convert a calibration for the solver; None if its corners are not of its board, as imports may be."""
+    """Calibration for the solver; None if its corners are not of its board, as of imports."""
     try:
         views = tuple(views_of(board_of(document.board), document.views))
         return consensus.Member(document.id, document.counted_as, views, family(document.counted_as))

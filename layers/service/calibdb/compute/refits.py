@@ -1,4 +1,4 @@
-"""Refits: the consensus of every model of a mode, computed once from what the index has by now."""
+"""Refits: the consensuses of a mode, each computed once from what the index has."""
 
 from __future__ import annotations
 
@@ -34,10 +34,7 @@ Consensuses = dict[str, ConsensusDocument | None]
 
 @contextmanager
 def alone(service: Service, mode: StreamMode, models: Sequence[str], context: Any) -> Iterator[None]:
-    """Wait until no other invocation computes the same, as for a client that repeats a slow request.
-
-    Raises UnavailableError.
-    """
+    """Wait until no other invocation computes the same; raises UnavailableError."""
     leases, me, name = service.store.leases, str(context.aws_request_id), f"NOW#{'+'.join(models)}"
     for pause in (*WAITS_S, None):
         if leases.take(mode, me, service.now, _deadline(service, context), name):
@@ -52,13 +49,13 @@ def alone(service: Service, mode: StreamMode, models: Sequence[str], context: An
 
 
 def _deadline(service: Service, context: Any) -> int:
-    """Unix seconds at which this invocation has surely ended."""
+    """Unix seconds at which this invocation has ended."""
     left_ms: int = context.get_remaining_time_in_millis()
     return service.now + math.ceil(left_ms / 1000)
 
 
 def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
-    """Refresh every model's consensus, unless the holder of the lease will do so for this request."""
+    """Refresh every model's consensus, unless the holder of the lease will."""
     leases, me = service.store.leases, str(context.aws_request_id)
     until = _deadline(service, context)
     if not leases.take(mode, me, service.now, until):
@@ -148,7 +145,7 @@ def _try_once(
 def _drop(
     service: Service, mode: StreamMode, models: Sequence[str], stored: Mapping[str, ConsensusDocument]
 ) -> Consensuses | None:
-    """Drop the consensuses of a mode without calibrations; None if another writer changed one."""
+    """Drop consensuses without calibrations; None if another writer changed one."""
     gone = [stored[model] for model in models if model in stored]
     dropped = all(map(service.store.consensuses.drop, gone))
     if gone and dropped:
@@ -157,7 +154,7 @@ def _drop(
 
 
 def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews) -> FittingGroup | None:
-    """The only group of calibrations that fits the views, by its most certain one, else None."""
+    """The only group that fits the views, by its most certain calibration, else None."""
     behind = service.store.consensuses.groups(document)
     if behind is None or len(behind.groups) < 2:
         return None
@@ -202,5 +199,5 @@ def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_
 
 
 def input_digest(pool_digest: str, votes: Sequence[str]) -> str:
-    """Hash a pool's digest and the ids of the votes, the newest first: SHA-256, in hex."""
+    """Hash a pool's digest and the ids of the votes: SHA-256, in hex."""
     return hashlib.sha256(repr((pool_digest, list(votes))).encode()).hexdigest()

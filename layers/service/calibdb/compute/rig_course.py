@@ -29,14 +29,14 @@ def _computing_moments(call: Call) -> AbstractContextManager[None]:
 
 
 def load(store: Store, rig_id: str) -> tuple[Rig, str]:
-    """Read a running rig and the tag of its state; raises NotFoundError."""
+    """Running rig and the tag of its state; raises NotFoundError."""
     document, version = store.rigs.get_version(rig_id)
     sessions, versions = zip(*_sessions(store, document), strict=True)
     return Rig(document, sessions), _tag(version, versions)
 
 
 def head_tag(store: Store, rig_id: str) -> str | None:
-    """Read the tag of a running rig's state from the index; None if it does not run."""
+    """Tag of a running rig's state, from the index; None if it does not run."""
     head = store.rigs.head(rig_id)
     if head is None or head.forgotten:
         return None
@@ -46,7 +46,7 @@ def head_tag(store: Store, rig_id: str) -> str | None:
 
 
 def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
-    """Fit and target of a rig, computed now if they are not stored yet, which counts as a view.
+    """Fit and target of a rig; computing them counts as a view.
 
     Raises ConflictError if these moments take or took too long.
     """
@@ -69,7 +69,7 @@ def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
 
 
 def state_of(call: Call, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
-    """State and tag of a rig; raises NotFoundError. `running`: with fit and target if it runs."""
+    """State and tag of a rig, with fit and target if `running`; raises NotFoundError."""
     store = call.store
     document = store.rigs.find(rig_id)
     ended = document.finish.calibration if document and document.finish else None
@@ -85,7 +85,7 @@ def state_of(call: Call, rig_id: str, *, running: bool = True) -> tuple[RigState
 
 
 def skip(call: Call, rig_id: str, leader: str) -> None:
-    """Note that the target is not wanted; raises ForbiddenError for others than the leader."""
+    """Note that the target is not wanted; raises ForbiddenError."""
     rig, _ = load(call.store, rig_id)
     rig_rules.require_leader(rig.document, leader)
     rig_rules.require_open(rig.document)
@@ -96,7 +96,7 @@ def skip(call: Call, rig_id: str, leader: str) -> None:
 
 
 def undo_moment(call: Call, rig_id: str, leader: str, moment: str) -> None:
-    """Undo a moment in all cameras. Views of it that come late do not count."""
+    """Undo a moment in all cameras."""
     store, now = call.store, call.now
 
     def change(document: RigDocument) -> RigDocument | None:
@@ -119,7 +119,7 @@ def undo_moment(call: Call, rig_id: str, leader: str, moment: str) -> None:
 
 
 def finish(call: Call, rig_id: str, leader: str) -> int:
-    """End a rig: fix its result, then publish it. Returns the number of calibrations, 0 if it had ended."""
+    """End a rig and publish it; return the number of calibrations, 0 if it had ended."""
     store, now = call.store, call.now
     document, ended = store.rigs.find(rig_id), 0
     if document is None:
@@ -161,7 +161,7 @@ def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
 
 
 def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:
-    """Read the sessions of a rig by position, with their versions, 0 if there is none."""
+    """Sessions of a rig by position, with their versions or 0."""
     names = [member.session if member else "" for member in document.members]
 
     def read(name: str) -> tuple[SessionDocument | None, int]:

@@ -92,16 +92,16 @@ def computing_views(call: Call) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Result of a view: the session document to store if it changes, and the reason of a refusal."""
+    """Result of a view: the changed session document, and the reason of a refusal."""
 
     document: SessionDocument | None = None
     reason: Refusal | None = None
     hint: Hint | None = None
     took_ms: float | None = None
-    """Time that judging took; None of a view that was judged before."""
+    """None of a view that was judged before."""
 
     def shown(self, before: SessionDocument) -> SessionDocument:
-        """Document that a response shows; a refusal changes nothing visible, unless it ends."""
+        """Document that a response shows; only a refusal that ends the session changes it."""
         if self.document is None or (self.reason is not None and self.document.finish is None):
             return before
         return self.document
@@ -121,7 +121,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Batch:
-    """Session after a batch of views, their results, and the judgements of those that are new."""
+    """Session after a batch of views, their results, and new judgements."""
 
     document: SessionDocument
     results: list[BatchResult]
@@ -145,7 +145,7 @@ class Course:
         self._session = Session.of(document)
 
     def judge(self, view: ViewDocument) -> Judgement:
-        """Judge the view. One that contradicts the others is kept as a witness even if it is refused."""
+        """Judge the view."""
         begun = time.perf_counter()
         judged = self._judge(view)
         return replace(judged, took_ms=round((time.perf_counter() - begun) * 1e3, 1))
@@ -197,7 +197,7 @@ class Course:
 def judge_batch(
     document: SessionDocument, request: BatchRequest, now: int, seconds_left: Callable[[], float]
 ) -> Batch:
-    """Judge the views of a batch in their order, as many as the time allows."""
+    """Judge as many views of a batch as the time allows."""
     replayed = session_rules.validate_batch(document, request.index, request.views)
     course = Course(document, now, explains=False)
     results: list[BatchResult] = []
@@ -261,7 +261,7 @@ def without_views(
 
 
 def finished(document: SessionDocument, now: int, who: str, where: str | None) -> SessionDocument:
-    """End a session with the views that agree; raises CalibrationError if no camera explains them."""
+    """End a session with the views that agree; raises CalibrationError."""
     session = Session.of(document)
     estimate = session.estimate().with_cause(session.views)
     estimate = replace(estimate, progress=1.0, end="asked")
@@ -272,7 +272,7 @@ def finished(document: SessionDocument, now: int, who: str, where: str | None) -
 
 
 def open_target(document: SessionDocument, session: Session) -> TargetPose:
-    """Session's open target, chosen now if no pose was asked for."""
+    """Session's open target, chosen now if there is none."""
     if document.target is None:
         return session.rules.next_target(session.views, session.estimate())
     target = TargetPose.from_dict(document.target)

@@ -1,4 +1,4 @@
-"""Target pose of a session: chosen, and drawn as its camera sees it."""
+"""Target pose of a session: its choice and picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PictureFormat = Literal["jpeg", "png"]
 
 @contextmanager
 def choosing_target(call: Call) -> Iterator[None]:
-    """Limit the time of computations; raises ConflictError or UnavailableError."""
+    """Limit the time; raises ConflictError or UnavailableError."""
     slow = "The views take longer to compute than a request may; undo one."
     try:
         with in_time(call, ConflictError(slow, kind="too-slow")):
@@ -66,19 +66,19 @@ class DrawnTarget:
         return Pose.model_validate({**self.target.to_dict(), "index": index})
 
     def picture(self, kind: PictureFormat) -> bytes:
-        """Draw the target as a picture to lay over the video."""
+        """Picture to lay over the video."""
         return overlay.render(self.board, self.camera, self.target, kind)
 
 
 def not_in_view() -> ConflictError:
-    """Error of a camera that the rig's target is not for."""
+    """Error of a target for other cameras."""
     return ConflictError(
         "This camera is not to see the board now: the target is for others.", kind="not-in-view"
     )
 
 
 def with_chosen_target(document: SessionDocument) -> SessionDocument:
-    """Open the target that helps most, unlike those that the user did not want."""
+    """Open the target that helps most, except unwanted ones."""
     session = Session.of(document)
     skipped, unreached = map(target_poses, (document.skipped, document.unreached))
     target = session.rules.next_target(session.views, session.estimate(), skipped, unreached)

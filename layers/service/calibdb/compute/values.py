@@ -22,7 +22,7 @@ time_limit = deadline.limit
 
 @contextmanager
 def in_time(call: Call, late: CalibdbError) -> Iterator[None]:
-    """Compute in the time of a call; raises `late`, or UnavailableError if the machine was busy."""
+    """Compute in the time of a call; raises `late`, or UnavailableError on a busy machine."""
     try:
         with deadline.limit(call.seconds_left):
             yield
@@ -32,7 +32,7 @@ def in_time(call: Call, late: CalibdbError) -> Iterator[None]:
 
 @contextmanager
 def naming(field: str) -> Iterator[None]:
-    """Raise a CalibrationError within the block as the InvalidError of a field."""
+    """Raise CalibrationError as InvalidError of a field."""
     try:
         yield
     except CalibrationError as error:
@@ -40,12 +40,12 @@ def naming(field: str) -> Iterator[None]:
 
 
 def board_of(document: BoardDocument) -> Board:
-    """Convert a board; raises ValueError for one that cannot exist."""
+    """Board of the solver; raises ValueError."""
     return Board.from_record(document.model_dump())
 
 
 def camera_of(document: Intrinsics) -> Camera:
-    """Convert the camera of a fit or calibration; raises CalibrationError for an unknown model."""
+    """Camera of a fit or calibration; raises CalibrationError."""
     return Camera(
         document.distortion_model,
         np.asarray(document.camera_matrix, dtype=np.float64),
@@ -55,5 +55,5 @@ def camera_of(document: Intrinsics) -> Camera:
 
 
 def views_of(board: Board, documents: Sequence[ViewDocument | ObservedCorners]) -> list[View]:
-    """Convert the corners of views; raises ValueError for ids that are not on the board."""
+    """Views of corners; raises ValueError for ids that are not on the board."""
     return [board.view(document.ids, document.points) for document in documents]

@@ -1,4 +1,4 @@
-"""Checks of a camera on fresh views: of a consensus, or of a calibration that the request gives."""
+"""Checks of a consensus, or of a given calibration, on fresh views."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ _UNFIT = {
 
 
 def computing_check(call: Call) -> AbstractContextManager[None]:
-    """Limit the time of computations; raises InvalidError or UnavailableError."""
+    """Limit the time; raises InvalidError or UnavailableError."""
     slow = "take longer to compute than a request may; send fewer corners in each"
     return in_time(call, InvalidError.field("views", slow))
 
 
 def check_given(request: CheckRequest, given: GivenCalibration) -> ComparisonAnswer:
-    """Compare a given calibration with a fit of the views; raises InvalidError if either is unusable."""
+    """Compare a calibration with a fit of the views; raises InvalidError."""
     if given.img_size != request.img_size:
         raise InvalidError.field("calibration.img_size", "the views have another size")
     with naming("calibration"):
@@ -60,7 +60,7 @@ def _finite(px: float) -> float | None:
 
 
 def examine(request: CheckRequest) -> MeasuredViews:
-    """Fit a camera to the views only; raises InvalidError if none believably took them."""
+    """Fit a camera to the views only; raises InvalidError."""
     views = _usable_views(request)
     with naming("views"):
         own = fit(views, request.img_size, request.distortion_model)

@@ -1,4 +1,4 @@
-"""Angles of a pinhole: diagonal, horizontal and vertical fields of view, focal lengths, and their logarithm.
+"""Fields of view and focal lengths of a pinhole, and their logarithm.
 
 Zoom and crop add to the logarithm of the tangent of half the horizontal angle.
 """

@@ -1,4 +1,4 @@
-"""Relation of a field of view at one size to that at another: aspect, crop and zoom, with uncertainties.
+"""Relation of the fields of view at two sizes: aspect, crop and zoom.
 
 A mode of another aspect keeps the height (slope 1), the width (slope 0), or something between.
 """

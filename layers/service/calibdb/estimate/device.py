@@ -1,4 +1,4 @@
-"""Kind of device behind a label: built-in, USB webcam, phone's rear or front camera, and the like."""
+"""Kind of device behind a label."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ _FRONT = frozenset({"front", "user", "truedepth", "selfie"})
 
 @dataclass(frozen=True)
 class Device:
-    """Device as its label and platform describe it; empty texts are unknown."""
+    """Device by its label and platform; empty texts are unknown."""
 
     kind: str  # a key of `crops.SLOPES`; `webcam`: built in or not
     maker: str = ""

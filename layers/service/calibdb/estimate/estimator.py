@@ -1,4 +1,4 @@
-"""Estimator: all evidence about one camera at one size, combined with an interval."""
+"""Combination of all evidence about one camera at one size."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class EstimateQuery:
     zoom: float = 0.0
     cropped: bool = False  # by the browser
     evidence: tuple[Evidence, ...] = ()
-    """Calibrations and reports of this camera, for this size and zoom."""
+    """Of this camera, size and zoom."""
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """Distribution of `log_tan` along the longer side, with a 90 % interval and the best evidence."""
+    """Distribution of `log_tan` along the longer side, with a 90 % interval."""
 
     centre: float
     low: float
@@ -120,7 +120,7 @@ def estimate(query: EstimateQuery) -> Estimate:
 
 
 def _radius(theta: float, lens: Sequence[float]) -> float | None:
-    """Distance from the centre, focal lengths, of a ray by a fisheye lens; None without one or beyond it."""
+    """Distance of a ray from the centre, focal lengths, by a fisheye lens; None without or beyond it."""
     if not lens:
         return None
     t = theta * theta

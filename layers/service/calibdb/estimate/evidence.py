@@ -1,4 +1,4 @@
-"""Evidence about a field of view, and its robust combination by precision."""
+"""Evidence about a field of view, and its combination."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MAJORITY = 0.6  # of the statements, weighted by 1 / sigma
 
 @dataclass(frozen=True)
 class Evidence:
-    """One statement about `log_tan` along the longer side, with its standard deviation."""
+    """One statement about `log_tan` along the longer side."""
 
     basis: EstimateBasis
     mean: float
@@ -48,7 +48,7 @@ def combine(evidence: Sequence[Evidence]) -> tuple[float, float]:
 
 
 def mixture(parts: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
-    """Mean and standard deviation of alternatives `(weight, mean, sigma)`, of which one is true."""
+    """Mean and standard deviation of alternatives `(weight, mean, sigma)`."""
     total = sum(weight for weight, _, _ in parts)
     mean = sum(weight * part for weight, part, _ in parts) / total
     variance = sum(weight * (sigma**2 + (part - mean) ** 2) for weight, part, sigma in parts) / total

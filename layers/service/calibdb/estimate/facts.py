@@ -35,7 +35,7 @@ _WEBCAMS = ("usb_webcam", "camera_module")
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One row of the table, its value as `log_tan` with its standard deviation."""
+    """One row of the table, its value as `log_tan`."""
 
     kind: str
     maker: str

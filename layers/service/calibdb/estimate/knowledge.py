@@ -1,4 +1,4 @@
-"""Knowledge about cameras: the table of facts, asked for one device at one size."""
+"""Knowledge about cameras from the table of facts."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Knowledge:
         self._distribution = functools.lru_cache(maxsize=256)(self._compute_distribution)
 
     def published(self, device: Device, size: Size) -> Evidence | None:
-        """Evidence of what is published about the device's model, None if there is nothing."""
+        """Evidence of published facts about the device's model, if any."""
         return published(facts_about(self.facts, device), device, size)
 
     def family(self, device: Device, size: Size) -> Population | None:
-        """Distribution of the maker's cameras of this kind, None if too few are known."""
+        """Distribution of the maker's cameras of this kind, if enough are known."""
         return self._distribution(device.kind, device.maker, _aspect(size)) if device.maker else None
 
     def population(self, device: Device, size: Size) -> Population:

@@ -1,4 +1,4 @@
-"""Populations: fields of view of all models of one kind, or of one maker and kind, in the table of facts."""
+"""Populations: fields of view of the models of one kind, or of one maker and kind."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _QUANTILE = 1.645  # of the normal distribution, 95 %
 
 @dataclass(frozen=True)
 class Population:
-    """Distribution of `log_tan` of one model drawn from a population: median, 5th and 95th percentile."""
+    """Distribution of `log_tan` of a model: median, 5th and 95th percentile."""
 
     n: int
     median: float
@@ -49,7 +49,7 @@ def members(facts: Iterable[Fact], kind: str) -> list[Fact]:
 
 
 def by_model(facts: Iterable[Fact], size: Size) -> dict[tuple[str, str], float]:
-    """Value of each model at the aspect of `size`: the median of its facts, those of this aspect if any."""
+    """Median value of each model at the aspect of `size`, by facts of this aspect if any."""
     models: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for fact in facts:
         change, sigma = transfer(fact.kind, fact.size, size)

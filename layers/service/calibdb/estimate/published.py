@@ -1,4 +1,4 @@
-"""Published values of one model, as evidence about another unit of it at another size."""
+"""Published values of a model, as evidence about another unit and size."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def facts_about(facts: Sequence[Fact], device: Device) -> list[Fact]:
 
 
 def published(facts: Sequence[Fact], device: Device, size: Size) -> Evidence | None:
-    """Evidence for this size from all facts about the model, None if there are none."""
+    """Evidence for this size from all facts about the model, if any."""
     if not facts:
         return None
     modes: dict[str, list[Fact]] = defaultdict(list)
@@ -57,7 +57,7 @@ def _weight(facts: Sequence[Fact]) -> float:
 
 
 def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
-    """Mean and standard deviation of `log_tan` at `size`, for facts that are about one mode."""
+    """Mean and standard deviation of `log_tan` at `size`, by facts of one mode."""
     groups: dict[tuple[bool, bool], list[Fact]] = defaultdict(list)
     for fact in facts:
         groups[is_same_aspect(fact.size, size), fact.what == "specification"].append(fact)
@@ -70,7 +70,7 @@ def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
 
 
 def _group(facts: Sequence[Fact], size: Size) -> Evidence:
-    """Evidence of facts of one aspect and one kind of source, which share the error of the transfer."""
+    """Evidence of facts that share the error of the transfer."""
     exact = [fact for fact in facts if fact.size == size]
     facts = exact or facts
     values, sigmas = [], []

@@ -22,7 +22,7 @@ _MAX_ALIASES = 4096  # that are remembered
 
 
 class MissCounter:
-    """Counts of cameras since the last report. Safe from many threads at once."""
+    """Counts of cameras since the last report. Thread-safe."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
@@ -42,7 +42,7 @@ class MissCounter:
 
 
 class AliasFilter:
-    """Aliases of the last day. Safe from many threads at once."""
+    """Aliases of the last day. Thread-safe."""
 
     def __init__(self) -> None:
         self._seen: OrderedDict[tuple[str, str], int] = OrderedDict()

@@ -1,4 +1,4 @@
-"""Calibration or consensus by its id, and the head of its page: messengers, which show it, run no scripts."""
+"""Calibration or consensus by its id, and the head of its page for messengers."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ def _consensus(store: Store, calibration_id: str) -> ReportedCalibration | None:
 
 
 def title(calibration: Calibration) -> str:
-    """Write the camera, the size in px and the typical error in px, the same in every language."""
+    """Camera, size and typical error, the same in every language."""
     width, height = calibration.img_size
     name = without_usb_id(calibration.camera)
     return f"{name} · {width} × {height} · ± {rough(calibration.uncertainty.rms)} px"
 
 
 def facts(calibration: Calibration) -> str:
-    """Write the focal lengths in px, the lens model and the day, the same in every language."""
+    """Focal lengths, lens model and day, the same in every language."""
     (fx, _, _), (_, fy, _), _ = calibration.camera_matrix
     day = datetime.fromtimestamp(calibration.calibration_time, UTC).date()
     return f"fx {fx:.1f} px · fy {fy:.1f} px · {calibration.distortion_model} · {day}."
@@ -79,7 +79,7 @@ def with_head(page: str, calibration: Calibration) -> str:
 
 
 def shared_page(page: str, store: Store, calibration_id: str) -> str:
-    """Page with the head of a calibration; unchanged if there is no such calibration."""
+    """Page with the head of a calibration, if there is one."""
     document = store.calibrations.get(calibration_id)
     if document is not None and store.calibrations.withdrawal(document) is not None:
         return page

@@ -41,7 +41,7 @@ class Window:
 def build_answer(
     found: Calibration, consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int]
 ) -> LookupAnswer:
-    """Answer with `found`, its relation to the requested size, and if verified its intrinsics there."""
+    """Answer with `found`, its relation to the requested size, and verified intrinsics there."""
     at = {
         c.img_size: c
         for c in consensuses
@@ -53,7 +53,7 @@ def build_answer(
 
 
 def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer:
-    """Interpolate two calibrations of one size linearly to `zoom`, as certain as the less certain."""
+    """Interpolate linearly to `zoom`; as certain as the less certain calibration."""
     t = (zoom - lower.zoom) / (upper.zoom - lower.zoom)
 
     def mix(one: float, other: float) -> float:
@@ -149,7 +149,7 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
 
 
 def transfer_intrinsics(one: Calibration, window: Window) -> tuple[tuple[Row, Row, Row], tuple[float, ...]]:
-    """Transfer camera matrix and distortion to the picture that `window` makes from `one`'s.
+    """Camera matrix and distortion of the picture that `window` makes from `one`'s.
 
     Pixel centres are whole numbers, so c' = (c + ½) s − ½ − o.
     """
@@ -227,7 +227,7 @@ def _both(choose: Callable[[float, float], float], one: float | None, other: flo
 
 
 def _fit_scale(one: Calibration, other: Calibration) -> float | None:
-    """Fit the scale that takes `one`'s picture closest to `other`'s, about their principal points."""
+    """Scale that takes `one`'s picture closest to `other`'s."""
     num = den = 0.0
     count = 0
     for (ax, ay), (bx, by), weight in _common_rays(one, other):

@@ -15,7 +15,7 @@ _MAX_ROUNDS = 5
 
 
 def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
-    """Mark the camera as well known under its name, or not, by its calibrations at every size and zoom.
+    """Mark the camera as well known under its name, or not.
 
     Of concurrent computations the one that has seen less may write last. So each looks again.
     """
@@ -25,7 +25,7 @@ def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) ->
 
 
 def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
-    """Write the mark; False if it was written already, or no calibration counts any more."""
+    """Write the mark; False if it was written already, or no calibration counts."""
     modes = store.calibrations.modes(camera_key)
     if not modes:
         return False  # its names are gone

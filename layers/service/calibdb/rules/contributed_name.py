@@ -1,4 +1,4 @@
-"""Names of a camera and of its modes: those that most of their contributors sent."""
+"""Names of a camera and of its modes by most of their contributors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def most_contributed(
 
 
 def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
-    """Name of each group that most of its contributors gave; None if another group has the same.
+    """Name of each group by most of its contributors; None if another group has the same.
 
     `groups`: contributors and the names they gave.
     """

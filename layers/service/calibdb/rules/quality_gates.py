@@ -1,4 +1,4 @@
-"""Quality gates: the precision a session aims at, that is evidence, and that checks may confirm.
+"""Quality gates: precisions of sessions, of evidence, and of what checks may confirm.
 
 Errors are in pixels / image width.
 """
@@ -20,7 +20,7 @@ MAX_NOISE_PER_WIDTH = 1e-3
 
 
 def is_evidence(document: CalibrationDocument) -> bool:
-    """True if a calibration counts: it fits its own views, and is precise where its board was."""
+    """True if a calibration fits its own views, and is precise where its board was."""
     fit = document.fits.get(document.distortion_model)
     if fit is None:
         return False

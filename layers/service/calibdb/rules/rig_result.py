@@ -1,4 +1,4 @@
-"""Result of a finished rig, and its state from then on."""
+"""Result of a finished rig."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _scaled(motion: Motion, scale: float) -> Motion:
 
 
 def _verdict(rig: Rig, fit: RigFit) -> RigVerdict:
-    """Judge a rig by the error that is expected of it, and by what contradicts it."""
+    """Judge a rig by its expected error and by contradictions."""
     reasons: list[RigVerdictReason] = []
     if fit.uncertainty.rms > rig.target_error:
         reasons.append("uncertain")

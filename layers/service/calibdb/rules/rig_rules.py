@@ -49,7 +49,7 @@ def rig_id(secret: str, session: SessionDocument) -> str:
 
 
 def code_of(random: str) -> str:
-    """Join code of a random number, in hex; with 64 bits, all codes are equally likely."""
+    """Join code of a random number, in hex, of 64 bits."""
     number, letters = int(random, 16), []
     for _ in range(CODE_LENGTH):
         number, digit = divmod(number, len(CODE_ALPHABET))
@@ -58,7 +58,7 @@ def code_of(random: str) -> str:
 
 
 def code_digest(secret: str, code: str) -> str:
-    """Keyed hash of a code, in any case, with or without spaces and hyphens."""
+    """Keyed hash of a code; case, spaces and hyphens do not matter."""
     text = "".join(c for c in code.upper() if c not in " -")
     return hmac.new(secret.encode(), f"rig code\n{text}".encode(), hashlib.sha256).hexdigest()
 
@@ -90,7 +90,7 @@ def with_lead(session: SessionDocument, rig: str, source: str | None = None) -> 
 
 
 def require_same_start(document: RigDocument, request: RigRequest) -> None:
-    """Raise ConflictError unless `request` would have made the rig that is running."""
+    """Raise ConflictError unless `request` would have made the rig."""
     if (len(document.members), document.square_size) != (request.cameras, request.square_size):
         raise ConflictError(
             "The session has a rig with another number of cameras, or another square size.",
@@ -99,7 +99,7 @@ def require_same_start(document: RigDocument, request: RigRequest) -> None:
 
 
 def require_linking_board(board: Board) -> None:
-    """Raise InvalidError for a board that cannot tell two cameras how they stand to each other."""
+    """Raise InvalidError for a board that cannot link cameras."""
     if board.is_half_turn_symmetric:
         raise InvalidError.field(
             "board",
@@ -134,7 +134,7 @@ def join(
     member: MemberDocument,
     abandoned: Collection[int] = (),
 ) -> tuple[RigDocument | None, RigMembership]:
-    """Add a member; return the document, None if it is one already, and its place. Raises InvalidError."""
+    """Add a member; return the changed document if any, and its place. Raises InvalidError."""
     if document.finish is not None:
         raise _cannot_join(wanted, "the rig is finished")
     if board != document.board:
@@ -164,7 +164,7 @@ def _cannot_join(wanted: RigJoin, detail: str, field: str = "rig.id") -> Invalid
 
 
 def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigDocument, Sequence[str]]:
-    """Add a join code; return the document, and the digests of those that no longer lead to it."""
+    """Add a join code; return the document, and the digests of removed codes."""
     valid = [one for one in document.codes if one.until > now]
     codes = [*valid, code][-MAX_CODES:]
     gone = [one.digest for one in document.codes if one not in codes]
@@ -186,7 +186,7 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
 
 
 def without_moment(document: RigDocument, moment: str) -> RigDocument | None:
-    """Undo a moment; None if it is undone. Raises ConflictError, and InvalidError of an unknown one."""
+    """Undo a moment; None if it is undone. Raises ConflictError or InvalidError."""
     require_open(document)
     known = _moment(document, moment)
     if known is None:
@@ -203,7 +203,7 @@ def _moment(document: RigDocument, moment: str | None) -> MomentDocument | None:
 
 
 def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -> RigDocument:
-    """Note that the target after the views of digest `basis` is not wanted; `pose`: None if it has none."""
+    """Note that the target after the views of digest `basis` is not wanted."""
     skips = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
     poses = skips.poses if pose is None else (*skips.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
     changed = skips.model_copy(update={"poses": poses, "missed": skips.missed + (pose is None)})
@@ -211,14 +211,14 @@ def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -
 
 
 def with_finish(document: RigDocument, decided: RigDocument, finish: RigFinish) -> RigDocument:
-    """End the rig with everything that publishing needs; ConflictError if it changed since `decided`."""
+    """End the rig; raises ConflictError if it changed since `decided`."""
     if (document.members, document.moments) != (decided.members, decided.moments):
         raise ConflictError("The rig changed meanwhile; send this request again.", kind="overtaken")
     return document.model_copy(update={"finish": finish, "skips": None, "codes": ()})
 
 
 def require_moment(document: RigDocument | None, session: SessionDocument, view: ViewDocument) -> None:
-    """Check the moment of a new view of a session in a rig; raises InvalidError or ConflictError."""
+    """Check the moment of a new view; raises InvalidError or ConflictError."""
     if document is None:
         raise InvalidError.field("moment", "the rig of this session was deleted")
     if position_of(document, session.session) is None:

@@ -1,4 +1,4 @@
-"""State of a rig: its document, the sessions of its cameras, and what was computed from their views."""
+"""State of a rig."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ _SET_ASIDE_DETAILS: Mapping[SetAsideReason, str] = {
 
 @dataclass(frozen=True)
 class Rig:
-    """A running rig: its document, and the sessions by position, None if there is none."""
+    """Running rig: its document, and the sessions by position."""
 
     document: RigDocument
     sessions: tuple[SessionDocument | None, ...]
 
     @property
     def present(self) -> Iterator[tuple[int, SessionDocument]]:
-        """Positions and sessions of the cameras that have joined."""
+        """Positions and sessions of joined cameras."""
         return ((i, session) for i, session in enumerate(self.sessions) if session is not None)
 
     @property
@@ -86,7 +86,7 @@ class Rig:
         return hashlib.sha256(skips.model_dump_json().encode()).hexdigest()[:32]
 
     def solver_record(self, basis: str) -> dict[str, Any]:
-        """Plain values from which the solver computes fit and target."""
+        """Inputs of the solver."""
         skips = self._skips(basis)
         return {
             "board": self.document.board.model_dump(),

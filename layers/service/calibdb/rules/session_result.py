@@ -1,4 +1,4 @@
-"""Result of a session: its end, and the calibration that follows from it."""
+"""End of a session, and its calibration."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def with_finish(
     report: dict[str, JsonValue] | None = None,
     source: str | None = None,
 ) -> SessionDocument:
-    """End the session: fix everything that publishing it needs, however often it is published."""
+    """End the session: fix everything that publishing it needs."""
     finish = Finish(
         calibration_id=calibration_id(document),
         time=now,

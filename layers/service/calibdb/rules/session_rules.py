@@ -92,7 +92,7 @@ def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
 
 
 def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewDocument, detail: str) -> bool:
-    """True if `view` replays the `known` one, False if there is none; raises ConflictError with `detail`."""
+    """True if `view` replays `known`, False without it; raises ConflictError with `detail`."""
     if known is None:
         require_open(document)
         return False
@@ -102,7 +102,7 @@ def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewD
 
 
 def validate_view(document: SessionDocument, view: ViewDocument) -> None:
-    """Validate `view` against board and image (InvalidError) and the session's capacity (ConflictError)."""
+    """Validate `view`; raises InvalidError, or ConflictError if the session is full."""
     wrong = _corner_errors(document.board, document.img_size, view)
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
@@ -205,7 +205,7 @@ def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDo
 
 
 def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
-    """Remove the view of `index` and return the others; None if it was undone before.
+    """Views without that of `index`; None if it was undone before.
 
     Raises ConflictError or NotFoundError.
     """
@@ -223,7 +223,7 @@ def with_views(
     statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
 ) -> SessionDocument:
-    """Replace the views of the document; progress is what these are worth."""
+    """Replace the views and their estimate."""
     return document.model_copy(
         update={
             "views": _with_statuses(views, statuses),
@@ -238,7 +238,7 @@ def with_views(
 def with_estimate(
     document: SessionDocument, estimate: EstimateDocument, statuses: Sequence[ViewStatus]
 ) -> SessionDocument:
-    """Replace the estimate of the document; what it advised stays."""
+    """Replace the estimate, except its advice."""
     known = document.estimate
     kept = {"suggested_model": known.suggested_model, "advice": known.advice}
     return document.model_copy(
@@ -250,7 +250,7 @@ def with_estimate(
 
 
 def with_advice(document: SessionDocument, estimate: EstimateDocument) -> SessionDocument:
-    """Replace the advice of the document's estimate by that of `estimate`."""
+    """Replace the advice by that of `estimate`."""
     suggested = estimate.suggested_model or document.estimate.suggested_model
     advised = {"advice": estimate.advice, "suggested_model": suggested}
     return document.model_copy(update={"estimate": document.estimate.model_copy(update=advised)})
@@ -262,12 +262,12 @@ def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> S
 
 
 def without_seed(document: SessionDocument) -> SessionDocument:
-    """Drop the initial camera, and the open target, which was chosen for it."""
+    """Drop the initial camera, and the target, which depends on it."""
     return document.model_copy(update={"prior": None, "target": None})
 
 
 def without_target(document: SessionDocument) -> SessionDocument:
-    """Close the open target and count it among those the user did not want."""
+    """Close the open target, which is not wanted."""
     unwanted = document.skipped if document.target is None else (*document.skipped, document.target)
     return document.model_copy(update={"target": None, "skipped": unwanted[-MAX_SKIPPED_TARGETS:]})
 
@@ -318,7 +318,7 @@ def find_seed(
 
 
 def require_corners(board: Board, img_size: tuple[int, int], views: Sequence[ObservedCorners]) -> None:
-    """Raise InvalidError for views with corners that the board does not have, or outside the image."""
+    """Raise InvalidError for corners that the board does not have, or outside the image."""
     wrong = [
         error
         for n, view in enumerate(views)

@@ -33,7 +33,7 @@ _MAX_INFORMATIVE_WIDTHS = 2e-3  # of the width: predicted error of a camera, up 
 
 @dataclass(frozen=True)
 class OwnCamera:
-    """Camera determined by the views: px rms over the image, from the consensus, and as predicted."""
+    """Camera determined by the views: px rms from the consensus, and predicted."""
 
     difference: float
     uncertainty: float
@@ -58,7 +58,7 @@ def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
 
 
 def expected_error(noise: float, width: int) -> float:
-    """Predict the error, px rms, of views of this noise under their own camera."""
+    """Predicted error, px rms, of views of this noise under their own camera."""
     return max(noise, _NOISE_FLOOR_WIDTHS * width)
 
 
@@ -84,7 +84,7 @@ def decide_vote(
 
 
 def view_digest(ids: Sequence[int], points: Sequence[Sequence[float]]) -> str:
-    """Digest of a view's corners, the same for the same picture and detector."""
+    """Digest of a view's corners."""
     corners = sorted((i, round(x, 3), round(y, 3)) for i, (x, y) in zip(ids, points, strict=True))
     return hashlib.sha256(repr(corners).encode()).hexdigest()[:8]
 
