@@ -12,6 +12,7 @@ from calibdb.camera_key.usb_vendors import vendor_of
 from calibdb.camera_key.virtual import is_practice
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.lookup import camera_search
 from calibdb.lookup.badge import NOT_CALIBRATED, badge_of, parse_size, svg
 from calibdb.schema.cameras import CameraDetail, CameraList, CamerasRequest
@@ -27,7 +28,7 @@ _BADGE_HEADERS = {
 _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
 
-def search(call: application.Call) -> Response:
+def search(call: Call) -> Response:
     """Search cameras by the beginnings of words."""
     call.api_token()
     request = call.query(CamerasRequest)
@@ -54,10 +55,10 @@ def search(call: application.Call) -> Response:
         and camera_search.has_words(terms[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
-    return application.json_response(answer, headers=_PRIVATE_CACHE)
+    return json_response(answer, headers=_PRIVATE_CACHE)
 
 
-def show(call: application.Call) -> Response:
+def show(call: Call) -> Response:
     """One camera with its calibrations and their agreement."""
     call.api_token()
     key = call.path("key")
@@ -80,10 +81,10 @@ def show(call: application.Call) -> Response:
     detail = CameraDetail(
         key=key, camera=camera, platform=platform, usb_id=usb_id, vendor=vendor_of(usb_id), modes=modes
     )
-    return application.json_response(detail, headers=_PRIVATE_CACHE)
+    return json_response(detail, headers=_PRIVATE_CACHE)
 
 
-def badge(call: application.Call) -> Response:
+def badge(call: Call) -> Response:
     """Badge of a camera at a size, also of unknown ones."""
     key, img_size = call.path("key"), parse_size(call.path("file"))
     result = NOT_CALIBRATED
@@ -96,7 +97,7 @@ def badge(call: application.Call) -> Response:
 
 
 handler = application.handler(
-    application.route("/v1/cameras", GET=search),
-    application.route("/v1/cameras/{key}", GET=show),
-    application.route("/badge/{key}/{file}", GET=badge),
+    route("/v1/cameras", GET=search),
+    route("/v1/cameras/{key}", GET=show),
+    route("/badge/{key}/{file}", GET=badge),
 )

@@ -14,6 +14,7 @@ from calibdb.compute.pooled_consensus import MeasuredViews, score
 from calibdb.compute.view_checks import computing_check
 from calibdb.errors import NotFoundError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.lookup.camera_match import consensus_of_model, find_checked
 from calibdb.rules.session_rules import require_corners
 from calibdb.rules.votes import view_digest, vote_id
@@ -21,14 +22,14 @@ from calibdb.schema import CheckAnswer, CheckRequest, RefitRequest, VoteDocument
 from calibdb.store import StreamMode
 
 
-def check(call: application.Call) -> Response:
+def check(call: Call) -> Response:
     """Check a consensus or a given calibration."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
     require_corners(request.board, request.img_size, request.views)
     if request.calibration is not None:
         with computing_check(call):
-            return application.json_response(view_checks.check_given(request, request.calibration))
+            return json_response(view_checks.check_given(request, request.calibration))
     store, thresholds = call.store, call.service.settings.thresholds
     mode, known = find_checked(store, request, private=thresholds.min_contributors == 1)
     with computing_check(call):
@@ -40,7 +41,7 @@ def check(call: application.Call) -> Response:
         current = consensus_of_model(store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
         raise NotFoundError("The consensus was withdrawn while this check ran.", kind="no-calibration")
-    return application.json_response(
+    return json_response(
         CheckAnswer(
             fits="does_not_fit" if scored.fits is False else "fits",
             error=scored.error,
@@ -53,7 +54,7 @@ def check(call: application.Call) -> Response:
 
 
 def vote(
-    call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
+    call: Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
     """Count a check; False if its contributor has no vote, or for images of a calibration."""
     service = call.service
@@ -90,4 +91,4 @@ def vote(
     return True
 
 
-handler = application.handler(application.route("/v1/checks", POST=check))
+handler = application.handler(route("/v1/checks", POST=check))

@@ -10,6 +10,7 @@ from starlette.responses import Response
 
 from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.http.part_checks import read_file
 from calibdb.lookup.result_page import read_reported, shared_page
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery
@@ -21,7 +22,7 @@ _PAGE_TTL_S = 60
 _PAGE_HEADERS = {"Cache-Control": f"public, max-age=0, s-maxage={_PAGE_TTL_S}"}
 
 
-def show(call: application.Call) -> Response:
+def show(call: Call) -> Response:
     """Calibration in the requested format; what is computed counts as a view."""
     token = call.api_token()
     asked = call.query(ExportQuery)
@@ -33,11 +34,11 @@ def show(call: application.Call) -> Response:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
     if asked.plain and not asked.without:
         known = read_reported(store, calibration_id, document)
-        return application.json_response(known, headers=_AS_IT_IS)
+        return json_response(known, headers=_AS_IT_IS)
     return _compute(call, document, asked)
 
 
-def _compute(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
+def _compute(call: Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
     # Other requests do not load the solver.
     from calibdb.compute import exports
     from calibdb.compute.values import in_time
@@ -53,11 +54,11 @@ def _compute(call: application.Call, document: CalibrationDocument | None, asked
                 raise InvalidError.field("without", "a consensus has no views of its own")
             known = known.model_copy(update={"id": None})  # it is stored nowhere
         if asked.plain:
-            return application.json_response(known, headers=_AS_IT_IS)
+            return json_response(known, headers=_AS_IT_IS)
         return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)
 
 
-def convert(call: application.Call) -> Response:
+def convert(call: Call) -> Response:
     """Another program's file in the requested format; counts as a view."""
     token = call.api_token()
     asked = call.json(ConvertRequest)
@@ -70,7 +71,7 @@ def convert(call: application.Call) -> Response:
         return exports.file_response(exports.convert_file(asked), with_coverage=True)
 
 
-def show_page(call: application.Call) -> Response:
+def show_page(call: Call) -> Response:
     """Page of results with the title of one; the edge has the page if this fails."""
     language = call.request.path_params.get("language", "")
     if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
@@ -88,8 +89,8 @@ def _site_page(address: str, _period: int) -> str:
 
 
 handler = application.handler(
-    application.route("/v1/calibrations/{id}", GET=show),
-    application.route("/v1/convert", POST=convert),
-    application.route("/result/index.html", GET=show_page),
-    application.route("/{language}/result/index.html", GET=show_page),
+    route("/v1/calibrations/{id}", GET=show),
+    route("/v1/convert", POST=convert),
+    route("/result/index.html", GET=show_page),
+    route("/{language}/result/index.html", GET=show_page),
 )

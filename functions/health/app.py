@@ -14,6 +14,7 @@ from starlette.responses import Response
 
 from calibdb.errors import UnhealthyError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, problem_response, route
 from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks, read_config
 from calibdb.schema import DeepHealth, Health
 from calibdb.schema.health import CanaryRun, PartHealth
@@ -66,17 +67,17 @@ def _prepare_solver() -> Callable[[], None]:
 _checks_of = functools.lru_cache(maxsize=4)(Checks)
 
 
-def health(call: application.Call) -> Response:
+def health(call: Call) -> Response:
     """Report the state of the service; with `deep=1`, of its parts."""
     if not call.flag("deep"):
-        return application.json_response(Health())
+        return json_response(Health())
     call.require_thread()
     checks = _checks_of(call.service.settings)
     parts, canary = checks.parts(), checks.canary
     if all(part.ok for part in parts) and (canary is None or canary.ok):
         answer = DeepHealth(checked_at=checks.parts.checked_at, parts=parts, canary=canary)
-        return application.json_response(answer, headers=_CACHED)
-    return application.problem_response(_unhealthy(checks.parts.checked_at, parts, canary))
+        return json_response(answer, headers=_CACHED)
+    return problem_response(_unhealthy(checks.parts.checked_at, parts, canary))
 
 
 def _unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun | None) -> UnhealthyError:
@@ -93,4 +94,4 @@ def _unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun
     )
 
 
-handler = application.handler(application.route("/healthz", is_quick=True, GET=health))
+handler = application.handler(route("/healthz", is_quick=True, GET=health))

@@ -12,6 +12,7 @@ from starlette.responses import Response
 
 from calibdb.errors import NotFoundError
 from calibdb.http import application, metrics
+from calibdb.http.application import Call, json_response, route, tagged_response
 from calibdb.lookup import reports
 from calibdb.lookup.camera_match import LookupQuery, LookupResult, find, find_by_digest
 from calibdb.lookup.estimation import estimate_for
@@ -29,20 +30,20 @@ _KNOWN = {"Cache-Control": _KNOWN_CACHE, "Access-Control-Allow-Origin": "*"}
 _UNKNOWN = {"Cache-Control": "public, max-age=60, s-maxage=60", "Access-Control-Allow-Origin": "*"}
 
 
-def ask(call: application.Call) -> Response:
+def ask(call: Call) -> Response:
     """Answer a request in a body, in which the older public client also sends its token."""
     call.api_token(call.json_text("api_key"))
     return _answer(call, call.json(LookupRequest))
 
 
-def visit(call: application.Call) -> Response:
+def visit(call: Call) -> Response:
     """Answer a request in a query, with the token in `key` for navigations."""
     query = call.request.query_params
     call.api_token(query.get("key") or query.get("api_key"))
     return _answer(call, call.query(LookupRequest))
 
 
-def _answer(call: application.Call, request: LookupRequest) -> Response:
+def _answer(call: Call, request: LookupRequest) -> Response:
     if request.views:
         require_corners(request.board, request.img_size, request.views)
     found = _find(call, request)
@@ -51,21 +52,21 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
         metrics.count(now, Lookups=1)
         if request.estimate == "always":
             answer = answer.model_copy(update={"estimate": estimate_for(request, ())})
-        return application.json_response(answer, 200, _CACHED if call.request.method != "POST" else None)
+        return json_response(answer, 200, _CACHED if call.request.method != "POST" else None)
     url = call.service.settings.guidance_url + "?" + request.key_query
     likely = estimate_for(request, found.known, _group(call, request, found))
     miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
     metrics.count(now, Lookups=1, Misses=1)
     if request.miss == "ok":
-        return application.json_response(NoCalibration(**dict(miss)))
+        return json_response(NoCalibration(**dict(miss)))
     if request.redirect and call.flag("redirect", default=True):
         metrics.count(now, Redirects=1)
-        return application.json_response(miss, 307, {"Location": url})
+        return json_response(miss, 307, {"Location": url})
     facts = miss.model_dump(mode="json", include={"guidance_url", "reason", "estimate"})
     raise NotFoundError(found.detail, kind="no-calibration", extensions=facts)
 
 
-def _find(call: application.Call, request: LookupRequest) -> LookupResult:
+def _find(call: Call, request: LookupRequest) -> LookupResult:
     service = call.service
     store, least = service.store, service.settings.thresholds.min_contributors
     read = functools.cache(store.cameras.known)
@@ -86,7 +87,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     return found
 
 
-def _group(call: application.Call, request: LookupRequest, found: LookupResult) -> FittingGroup | None:
+def _group(call: Call, request: LookupRequest, found: LookupResult) -> FittingGroup | None:
     """Group of disagreeing calibrations that fits the views sent."""
     if not request.views or found.reason != "disagree" or not found.key:
         return None
@@ -94,20 +95,20 @@ def _group(call: application.Call, request: LookupRequest, found: LookupResult) 
     return call.store.refit.now(RefitRequest.of_views(found.key, request)).fitting
 
 
-def known(call: application.Call) -> Response:
+def known(call: Call) -> Response:
     """Answer a lookup by the digest of label and platform."""
     wanted = LookupQuery.of_path(call.path("size"), call.path("zoom"), call.path("file"))
     private = call.service.settings.thresholds.min_contributors == 1
     found = find_by_digest(call.store, call.path("digest"), wanted, private=private)
     if found is None:
-        return application.json_response(UnknownCamera(reason="unknown_camera"), 404, _UNKNOWN)
+        return json_response(UnknownCamera(reason="unknown_camera"), 404, _UNKNOWN)
     metrics.count(call.service.clock(), Lookups=1)
     if found.answer is None:
-        return application.json_response(UnknownCamera(reason=found.reason), 404, _UNKNOWN)
-    return application.tagged_response(call.request, found.answer, _KNOWN)
+        return json_response(UnknownCamera(reason=found.reason), 404, _UNKNOWN)
+    return tagged_response(call.request, found.answer, _KNOWN)
 
 
 handler = application.handler(
-    application.route("/v1/lookup", is_quick=True, POST=ask, GET=visit),
-    application.route("/known/v1/{digest}/{size}/{zoom}/{file}", is_quick=True, GET=known),
+    route("/v1/lookup", is_quick=True, POST=ask, GET=visit),
+    route("/known/v1/{digest}/{size}/{zoom}/{file}", is_quick=True, GET=known),
 )

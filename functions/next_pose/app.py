@@ -13,6 +13,7 @@ from calibdb.compute.target_pose import (
     with_chosen_target,
 )
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
 from calibdb.schema import SessionDocument
 from calibdb.schema.membership import RigMembership
@@ -21,7 +22,7 @@ FORMATS: dict[str, PictureFormat] = {"image/jpeg": "jpeg", "image/png": "png"}
 TYPES = (*FORMATS, "application/json")  # the first is the default
 
 
-def show(call: application.Call) -> Response:
+def show(call: Call) -> Response:
     """Answer with the open target pose; with `skip=1`, open one of another kind."""
     sid = call.session(charge="poses").sid
     media_type = call.negotiate_media_type(TYPES)
@@ -50,11 +51,11 @@ def show(call: application.Call) -> Response:
 def _respond(index: int, drawn: DrawnTarget, media_type: str) -> Response:
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
-        return application.json_response(drawn.pose(index), headers=headers)
+        return json_response(drawn.pose(index), headers=headers)
     return Response(drawn.picture(FORMATS[media_type]), headers=headers, media_type=media_type)
 
 
-def _in_rig(call: application.Call, document: SessionDocument, place: RigMembership) -> DrawnTarget:
+def _in_rig(call: Call, document: SessionDocument, place: RigMembership) -> DrawnTarget:
     from calibdb.compute import rig_course  # other sessions do not wait for it
 
     session_rules.require_open(document)
@@ -67,4 +68,4 @@ def _in_rig(call: application.Call, document: SessionDocument, place: RigMembers
     return DrawnTarget.of_rig(document, estimate.target, fit)
 
 
-handler = application.handler(application.route("/v1/session/pose", GET=show))
+handler = application.handler(route("/v1/session/pose", GET=show))

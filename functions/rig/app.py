@@ -10,23 +10,24 @@ from starlette.responses import Response
 from calibdb.compute import exports, rig_course
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application, metrics
+from calibdb.http.application import Call, json_response, no_content, route
 from calibdb.rules import rig_rules
 from calibdb.schema import MomentRequest, RigRequest
 from calibdb.schema.rig import RIG_FORMATS
 from calibdb.store import running_rigs
 
 
-def create(call: application.Call) -> Response:
+def create(call: Call) -> Response:
     """Make or find the rig of a session, and a fresh join code."""
     ticket, service = call.session(charge="poses"), call.service
     request = call.json(RigRequest)
     lead = running_rigs.Lead(ticket.sid, *call.contributor(ticket))
     code, secret = rig_rules.code_of(service.random_hex(8)), service.settings.contributor_secret
     opened = running_rigs.create(service.store, lead, request, code, secret, service.now)
-    return application.json_response(opened, 201)
+    return json_response(opened, 201)
 
 
-def show(call: application.Call) -> Response:
+def show(call: Call) -> Response:
     """Answer with the state of the rig, or that it has not changed; `skip=1`: with another target."""
     rig_id, store = call.path("id"), call.store
     by_session = call.is_session()
@@ -46,7 +47,7 @@ def show(call: application.Call) -> Response:
     return _state_response(call, rig_id)
 
 
-def open_moment(call: application.Call) -> Response:
+def open_moment(call: Call) -> Response:
     """Open a moment, of which cameras may then send views."""
     sid = call.session(charge="poses").sid
     moment, rig_id = call.json(MomentRequest).moment, call.path("id")
@@ -54,7 +55,7 @@ def open_moment(call: application.Call) -> Response:
     return _state_response(call, rig_id, 201)
 
 
-def undo_moment(call: application.Call) -> Response:
+def undo_moment(call: Call) -> Response:
     """Undo a moment in all cameras."""
     sid = call.session(charge="views").sid
     rig_id = call.path("id")
@@ -62,7 +63,7 @@ def undo_moment(call: application.Call) -> Response:
     return _state_response(call, rig_id)
 
 
-def finish(call: application.Call) -> Response:
+def finish(call: Call) -> Response:
     """End the rig with the moments that agree, and publish it and its cameras."""
     sid = call.session(charge="views").sid
     rig_id = call.path("id")
@@ -72,14 +73,14 @@ def finish(call: application.Call) -> Response:
     return _state_response(call, rig_id)
 
 
-def forget(call: application.Call) -> Response:
+def forget(call: Call) -> Response:
     """Forget a running rig, and the sessions of its cameras."""
     sid = call.session(charge="poses").sid
     running_rigs.forget(call.store, call.path("id"), sid, call.now)
-    return application.no_content()
+    return no_content()
 
 
-def result(call: application.Call) -> Response:
+def result(call: Call) -> Response:
     """Answer with the result of a finished rig, or with another tool's files of it."""
     name = call.request.query_params.get("format", "json")
     ticket = call.session(charge="poses") if call.is_session() else None
@@ -90,21 +91,21 @@ def result(call: application.Call) -> Response:
     if state.result is None:
         raise NotFoundError("This rig has no result yet: its leader finishes it.", kind="rig-unfinished")
     if name == "json":
-        return application.json_response(state.result)
+        return json_response(state.result)
     call.service.charge(token, "views", call.address)
     return exports.file_response(exports.rig_file(call.with_time_for_a_rig(), state.result, name))
 
 
-def _state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
+def _state_response(call: Call, rig_id: str, status: int = 200) -> Response:
     state, tag = rig_course.state_of(call.with_time_for_a_rig(), rig_id)
-    return application.json_response(state, status, {"ETag": tag})
+    return json_response(state, status, {"ETag": tag})
 
 
 handler = application.handler(
-    application.route("/v1/rigs", POST=create),
-    application.route("/v1/rigs/{id}", GET=show, DELETE=forget),
-    application.route("/v1/rigs/{id}/moments", POST=open_moment),
-    application.route("/v1/rigs/{id}/moments/{moment}", DELETE=undo_moment),
-    application.route("/v1/rigs/{id}/finish", POST=finish),
-    application.route("/v1/rigs/{id}/result", GET=result),
+    route("/v1/rigs", POST=create),
+    route("/v1/rigs/{id}", GET=show, DELETE=forget),
+    route("/v1/rigs/{id}/moments", POST=open_moment),
+    route("/v1/rigs/{id}/moments/{moment}", DELETE=undo_moment),
+    route("/v1/rigs/{id}/finish", POST=finish),
+    route("/v1/rigs/{id}/result", GET=result),
 )

@@ -11,16 +11,17 @@ from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.estimate.estimator import EstimateQuery, starting_camera
 from calibdb.http import application, metrics
+from calibdb.http.application import Call, json_response, no_content, route
 from calibdb.rules import rig_rules, session_rules
+from calibdb.rules.session_result import state
 from calibdb.rules.session_rules import find_seed as find_reliable_seed
-from calibdb.rules.session_state import state
 from calibdb.schema import FitRecord, RigDocument, SessionDocument, SessionRequest
 from calibdb.schema.membership import RigJoin, RigMembership
 from calibdb.schema.rig_documents import MemberDocument
 from calibdb.store import Store, running_rigs
 
 
-def start(call: application.Call) -> Response:
+def start(call: Call) -> Response:
     """Start the session; idempotent for the same content."""
     ticket = call.session(charge="poses")
     request = call.json(SessionRequest)
@@ -45,7 +46,7 @@ def start(call: application.Call) -> Response:
         raise _other_content()
     if made:
         metrics.count(now, Sessions=1)
-    return application.json_response(state(document), 201)
+    return json_response(state(document), 201)
 
 
 def _find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
@@ -59,9 +60,7 @@ def _find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
     return starting_camera(query, request.distortion_model)
 
 
-def _place(
-    call: application.Call, sid: str, request: SessionRequest, wanted: RigJoin, who: str
-) -> RigMembership:
+def _place(call: Call, sid: str, request: SessionRequest, wanted: RigJoin, who: str) -> RigMembership:
     """Find or take the session's place in the rig that it wants; raises InvalidError, TooManyError."""
     store, now = call.store, call.now
     running = store.sessions.find(sid)
@@ -92,17 +91,17 @@ def _other_content() -> ConflictError:
     )
 
 
-def show(call: application.Call) -> Response:
+def show(call: Call) -> Response:
     """Answer with the session's state."""
     document = call.store.sessions.get(call.session(charge="poses").sid)
-    return application.json_response(state(document))
+    return json_response(state(document))
 
 
-def forget(call: application.Call) -> Response:
+def forget(call: Call) -> Response:
     """Forget the session's views; what it published stays."""
     if not call.store.sessions.forget(call.session(charge="poses").sid, call.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
-    return application.no_content()
+    return no_content()
 
 
-handler = application.handler(application.route("/v1/session", POST=start, GET=show, DELETE=forget))
+handler = application.handler(route("/v1/session", POST=start, GET=show, DELETE=forget))

@@ -11,14 +11,15 @@ from starlette.responses import Response
 from calibdb.compute import session_course
 from calibdb.compute.session_course import Batch, Judgement, computing_views
 from calibdb.http import application, metrics
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
-from calibdb.rules.session_state import batch_answer, state, view_answer
+from calibdb.rules.session_result import batch_answer, state, view_answer
 from calibdb.schema import BatchRequest, SessionDocument, ViewRequest
 from calibdb.schema.session import LicenceRequest
 from calibdb.store import endings, running_rigs
 
 
-def submit(call: application.Call) -> Response:
+def submit(call: Call) -> Response:
     """Judge a view; respond with its result and the session's state."""
     ticket = call.session(charge="views")
     request = call.json(ViewRequest)
@@ -38,10 +39,10 @@ def submit(call: application.Call) -> Response:
     _count(call, judged)
     if document.finish is not None:
         endings.publish(service.store, document)
-    return application.json_response(view_answer(document, judged.reason, judged.hint))
+    return json_response(view_answer(document, judged.reason, judged.hint))
 
 
-def submit_batch(call: application.Call) -> Response:
+def submit_batch(call: Call) -> Response:
     """Judge several views of a recording; views for which no time is left have no result."""
     sid = call.session(charge="views").sid
     request = call.json(BatchRequest, depth=2)
@@ -55,10 +56,10 @@ def submit_batch(call: application.Call) -> Response:
         batch = service.store.sessions.update(sid, service.now, change)
     for judged in batch.judged:
         _count(call, judged)
-    return application.json_response(batch_answer(batch.document, batch.results))
+    return json_response(batch_answer(batch.document, batch.results))
 
 
-def remove(call: application.Call) -> Response:
+def remove(call: Call) -> Response:
     """Undo a view."""
     sid = call.session(charge="views").sid
     index, now = call.index("index"), call.now
@@ -66,10 +67,10 @@ def remove(call: application.Call) -> Response:
         document = call.store.sessions.revise(
             sid, now, lambda known: session_course.without_view(known, index, now)
         )
-    return application.json_response(state(document))
+    return json_response(state(document))
 
 
-def finish(call: application.Call) -> Response:
+def finish(call: Call) -> Response:
     """End a session with the views that agree, however accurate they are."""
     ticket = call.session(charge="views")
     service = call.service
@@ -79,26 +80,26 @@ def finish(call: application.Call) -> Response:
             ticket.sid, service.now, lambda known: session_course.finish(known, service.now, who, where)
         )
     endings.publish(service.store, document)
-    return application.json_response(state(document))
+    return json_response(state(document))
 
 
-def license_views(call: application.Call) -> Response:
+def license_views(call: Call) -> Response:
     """Add the contributor's licence to a session and to what it published."""
     sid = call.session(charge="views").sid
     request = call.json(LicenceRequest)
     document = endings.license_session(call.store, sid, request, call.now)
-    return application.json_response(state(document))
+    return json_response(state(document))
 
 
-def _count(call: application.Call, judged: Judgement) -> None:
+def _count(call: Call, judged: Judgement) -> None:
     if judged.measurements:
         metrics.count(call.service.clock(), reason=judged.reason, **judged.measurements)
 
 
 handler = application.handler(
-    application.route("/v1/session/views", POST=submit),
-    application.route("/v1/session/batch", POST=submit_batch),
-    application.route("/v1/session/views/{index}", DELETE=remove),
-    application.route("/v1/session/finish", POST=finish),
-    application.route("/v1/session/licence", POST=license_views),
+    route("/v1/session/views", POST=submit),
+    route("/v1/session/batch", POST=submit_batch),
+    route("/v1/session/views/{index}", DELETE=remove),
+    route("/v1/session/finish", POST=finish),
+    route("/v1/session/licence", POST=license_views),
 )

@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any
 
 from calibdb.compute.pooled_consensus import count, pool
-from calibdb.compute.values import FIT_VERSION, camera_of, views_of
+from calibdb.compute.values import camera_of, views_of
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules.contributed_name import mode_names
@@ -20,7 +20,7 @@ from calibdb.schema import DISTORTION_MODELS, CalibrationDocument, ConsensusDocu
 from calibdb.service import Service
 from calibdb.settings import Thresholds
 from calibdb.store import StreamMode
-from calibsolver import Board, CalibrationError, DeadlineError
+from calibsolver import FIT_VERSION, Board, CalibrationError, DeadlineError
 from calibsolver.consensus.mode import fitting_camera
 
 MAX_ROUNDS = 5  # of one computation for concurrent callers

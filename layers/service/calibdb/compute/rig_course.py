@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 
 from calibdb.compute.session_course import finished, without_views
-from calibdb.compute.values import FIT_VERSION, in_time
+from calibdb.compute.values import in_time
 from calibdb.errors import ConflictError
 from calibdb.http import metrics
 from calibdb.http.call import Call
@@ -18,7 +18,7 @@ from calibdb.schema import RigDocument, RigEstimateDocument, RigFinish, RigState
 from calibdb.schema.rig_documents import EndingDocument
 from calibdb.store import Store, endings
 from calibdb.store.ports import READERS
-from calibsolver import CalibrationError, DeadlineError
+from calibsolver import FIT_VERSION, CalibrationError, DeadlineError
 from calibsolver.rig import estimate
 
 _TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."

@@ -11,14 +11,14 @@ from typing import Any
 
 from pydantic import JsonValue
 
-from calibdb.compute.values import FIT_VERSION, board_of, camera_of, in_time, naming, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, naming, views_of
 from calibdb.errors import ConflictError
 from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
-from calibdb.rules.session_state import accepted_result
+from calibdb.rules.session_result import accepted_result
 from calibdb.schema import BatchRequest, EstimateDocument, FitRecord, SessionDocument, ViewDocument
 from calibdb.schema.session import BatchResult, Hint, Refusal
-from calibsolver import CalibrationError, Camera, DeadlineError, View
+from calibsolver import FIT_VERSION, CalibrationError, Camera, DeadlineError, View
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision
 from calibsolver.fitting.coverage import Coverage, record_covered, uncertainty_members
 from calibsolver.guidance import TargetPose

@@ -13,9 +13,7 @@ from calibdb.schema.board import Board as BoardDocument
 from calibdb.schema.calibration import Intrinsics
 from calibdb.schema.documents import ViewDocument
 from calibdb.schema.observed_corners import ObservedCorners
-from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, deadline
-
-__all__ = ["FIT_VERSION", "board_of", "camera_of", "in_time", "naming", "time_limit", "views_of"]
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline
 
 time_limit = deadline.limit
 
