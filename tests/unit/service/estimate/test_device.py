@@ -29,7 +29,6 @@ def device(label: str, platform: str, model: str = "") -> Device:
         ("Back Camera", IOS, "phone_rear", "Apple", "wide"),
         ("Back Ultra Wide Camera", IOS, "phone_ultrawide", "Apple", "ultrawide"),
         ("Front Camera", IOS, "phone_front", "Apple", "front"),
-        ("Rückseitige Ultra-Weitwinkelkamera", IOS, "phone_ultrawide", "Apple", "ultrawide"),
         ("camera2 1, facing front", "Linux; Android 14; SM-S911B", "phone_front", "Samsung", "front"),
         ("iPhone Camera", MAC, "phone_rear", "Apple", "wide"),
         ("Intel(R) RealSense(TM) Depth Camera 435i", LINUX, "depth_camera", "Intel", ""),

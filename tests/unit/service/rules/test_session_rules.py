@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibdb.errors import ConflictError, InvalidError, NotFoundError
+from calibdb.errors import ConflictError, InvalidError
 from calibdb.rules import session_result, session_rules
 from calibdb.schema import EstimateDocument, SessionDocument, SessionRequest, ViewDocument
 
@@ -60,19 +60,6 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
     with pytest.raises(ConflictError):
         session_rules.is_idempotent_replay(undone, view(1))
     assert session_rules.without_view(undone, 1) is None
-    with pytest.raises(NotFoundError):
-        session_rules.without_view(undone, 2)
-
-
-def test_a_repeat_may_name_the_corners_in_another_order() -> None:
-    points = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0))
-    document = session_rules.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
-    sent = ViewDocument(index=0, ids=(2, 0, 1), points=(points[2], points[0], points[1]))
-    assert session_rules.is_idempotent_replay(document, sent) is True
-    with pytest.raises(ConflictError):
-        session_rules.is_idempotent_replay(document, ViewDocument(index=0, ids=(2, 0, 1), points=points))
-    with pytest.raises(ConflictError):
-        session_rules.is_idempotent_replay(document, view(0, points[:2]))
 
 
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
