@@ -19,8 +19,8 @@ from calibdb.schema.cameras import CameraDetail, CameraList, CamerasRequest
 from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
-_MAX_MODES = 60  # shown of a camera; anyone can add one
-_READERS = 8  # cameras, or modes of one, read at a time
+_MAX_MODES = 60  # shown of a camera
+_READERS = 8
 _BADGE_HEADERS = {
     "Cache-Control": "public, max-age=300",
     "Content-Security-Policy": "default-src 'none'",

@@ -1,6 +1,6 @@
 """Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome.
 
-Its session is deleted: no calibration is stored or counted.
+Its session is deleted.
 """
 
 from __future__ import annotations

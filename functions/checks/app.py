@@ -1,7 +1,4 @@
-"""Checks: scores a consensus on fresh views of a camera, and counts the result as a vote.
-
-A calibration that the request gives is scored instead, without a vote.
-"""
+"""Checks: scores a consensus on fresh views of a camera, and counts the result as a vote."""
 
 from __future__ import annotations
 
@@ -86,7 +83,7 @@ def vote(
             **request.consent,
         )
     )
-    # For the other models; this one's is asked for at once.
+    # For the other models.
     service.store.refit.later(RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom))
     return True
 

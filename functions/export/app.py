@@ -52,7 +52,7 @@ def _compute(call: Call, document: CalibrationDocument | None, asked: ExportQuer
         if asked.without:
             if document is None:
                 raise InvalidError.field("without", "a consensus has no views of its own")
-            known = known.model_copy(update={"id": None})  # it is stored nowhere
+            known = known.model_copy(update={"id": None})
         if asked.plain:
             return json_response(known, headers=_AS_IT_IS)
         return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)

@@ -1,6 +1,6 @@
 """Health: state of the service and, on request, of each of its parts.
 
-Callers need no credential, so the results are cached in the instance and at the edge.
+Callers need no credential, so results are cached.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from calibdb.store import StreamMode
 
 _CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
 
-# Browsers keep an answer for a minute, the edge for five: a withdrawn camera is gone from both in six.
+# A withdrawn camera is gone from browsers and the edge in six minutes.
 _KNOWN_CACHE = "public, max-age=60, s-maxage=300, stale-while-revalidate=60, stale-if-error=86400"
 _KNOWN = {"Cache-Control": _KNOWN_CACHE, "Access-Control-Allow-Origin": "*"}
 _UNKNOWN = {"Cache-Control": "public, max-age=60, s-maxage=60", "Access-Control-Allow-Origin": "*"}
@@ -80,7 +80,7 @@ def _find(call: Call, request: LookupRequest) -> LookupResult:
     if found.answer is None:
         report = reports.miss_report(service.misses, request, read, found, service.clock(), least)
     elif call.request.method == "POST":
-        sender = functools.partial(service.source, call.address)  # computed only for new names
+        sender = functools.partial(service.source, call.address)
         report = reports.alias_report(service.aliases, store, request, found.key, service.clock(), sender)
     if report is not None:
         service.write_later(functools.partial(store.refit.report, report))  # no response depends on it

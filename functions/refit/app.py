@@ -17,7 +17,7 @@ from calibdb.service import Service
 from calibdb.store import StreamMode
 from calibdb.store.aliases import Alias
 
-MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
+MIN_PUBLISHING_S = 8.0  # for storage and the answer
 
 
 @metrics.counting_denied_reads

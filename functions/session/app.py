@@ -1,6 +1,6 @@
 """Session: starts one guided capture, also as a camera of a rig, shows its state, or deletes it.
 
-A rig's document names the session before the session exists, for starts repeated after a crash.
+A rig's document names a session before it exists, for starts repeated after a crash.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Submit: decide on a view, refit the camera and choose the next pose; undo a view; finish a recording.
 
-Everything after the end of a session follows from its document and is idempotent: a client that repeats its
-last view completes what a crash left undone.
+Everything after the end of a session follows from its document and is idempotent, so that a repeated view
+completes what a crash left undone.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Errors of the service: one tree, each error with its RFC 9457 problem document.
-
-`calibdb.http` turns them into responses.
-"""
+"""Errors of the service: one tree, each error with its RFC 9457 problem document."""
 
 from __future__ import annotations
 

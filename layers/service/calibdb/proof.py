@@ -24,7 +24,7 @@ from calibdb.schema.origins import PROOF_PATH
 MAX_FETCH_S = 3.0  # for name, connection, handshake and response
 MAX_PROOF_BYTES = 1024
 _MAX_ANSWER_BYTES = 16_384  # with its headers
-_MAX_ADDRESSES = 2  # tried one after the other
+_MAX_ADDRESSES = 2
 _HTTPS_PORT = 443
 _AGENT = "calibDB origin verification"
 

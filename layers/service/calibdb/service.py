@@ -67,7 +67,7 @@ class Service:
     def of_process(cls) -> Service:
         """Service of this process, one for equal settings.
 
-        The environment is read once, its secrets again every five minutes.
+        The environment is read once, secrets again every five minutes.
         """
         global _settings, _settings_until
         if _settings is None or time.monotonic() >= _settings_until:

@@ -23,11 +23,11 @@ from calibdb.store import StreamMode
 from calibsolver import FIT_VERSION, Board, CalibrationError, DeadlineError
 from calibsolver.consensus.mode import fitting_camera
 
-MAX_ROUNDS = 5  # of one computation for concurrent callers
-WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
-MAX_PUTS = 5  # while other writers win the conditional put
+MAX_ROUNDS = 5
+WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # a caller has 25 s
+MAX_PUTS = 5
 
-POOLING_VERSION = 6  # of pooling and counting: results of another version are recomputed
+POOLING_VERSION = 6  # results of other versions are recomputed
 
 Consensuses = dict[str, ConsensusDocument | None]
 
@@ -71,7 +71,6 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     finally:
         if not done:
             leases.abandon(mode, me)
-    # The queue delivers this request again.
     raise UnavailableError("New calibrations of this camera keep arriving; try again.")
 
 
@@ -100,7 +99,7 @@ def _try_once(
 ) -> Consensuses | None:
     """Do as `ensure_current`; None if another writer won, or if a stale one is not to be computed.
 
-    Raises UnavailableError if the time is up; each consensus stored until then is complete.
+    Raises UnavailableError if the time is up.
     """
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.

@@ -23,7 +23,7 @@ from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecis
 from calibsolver.fitting.coverage import Coverage, record_covered, uncertainty_members
 from calibsolver.guidance import TargetPose
 
-_MIN_BATCH_S = 1.0  # below which a batch begins no further view: the advice needs the time
+_MIN_BATCH_S = 1.0  # left for the advice
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def _history(document: SessionDocument) -> History:
 def computing_views(call: Call) -> Iterator[None]:
     """Compute in the time of the call.
 
-    Raises ConflictError or UnavailableError if that is too short, InvalidError for a degenerate view.
+    Raises ConflictError, UnavailableError, or InvalidError for a degenerate view.
     """
     slow = "These corners take longer to compute than a request may; send fewer of them in each view."
     with naming("points"), in_time(call, ConflictError(slow, kind="too-slow")):

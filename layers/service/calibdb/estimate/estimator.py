@@ -24,7 +24,7 @@ _BASES: tuple[EstimateBasis, ...] = (
 _ZEROS = {"rectilinear": 5, "rational": 8, "fisheye": 4}  # coefficients of a lens without distortion
 _QUANTILE = 1.645  # of the normal distribution, 95 %
 _PRIOR_WIDENING = 2.0
-_CROPPED_SIGMA = 0.25  # of a stream that the browser cuts by an unknown amount
+_CROPPED_SIGMA = 0.25
 
 
 @dataclass(frozen=True)

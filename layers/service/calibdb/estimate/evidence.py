@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from calibdb.schema.estimate import EstimateBasis, Source
 
-_FREEDOM = 4.0  # degrees of freedom of the t distribution by which rows are weighted
+_FREEDOM = 4.0  # degrees of freedom of the t distribution
 _ROUNDS = 12
 _OUTLYING = 3.0  # standard deviations
 _MAJORITY = 0.6  # of the statements, weighted by 1 / sigma

@@ -20,8 +20,8 @@ _POOLS = {
 }
 _CAMERAS = {"phone_ultrawide": "ultrawide", "phone_tele": "tele", "phone_rear": "wide", "tablet_rear": "wide"}
 _LENS_KINDS = ("phone_ultrawide", "phone_tele")
-_MIN_FAMILY = 4  # models of a maker
-_POOLED_FREEDOM = 32  # models by which the deviation within other makers counts for a maker's own
+_MIN_FAMILY = 4
+_POOLED_FREEDOM = 32  # weight of other makers, models
 _MIN_QUANTILE_COUNT = 19  # models from which the 5th and 95th percentiles are inside the sample
 _QUANTILE = 1.645  # of the normal distribution, 95 %
 

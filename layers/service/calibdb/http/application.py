@@ -109,7 +109,7 @@ class handler:  # noqa: N801 - as Lambda calls it
 
     def __call__(self, event: dict[str, Any], context: Any) -> dict[str, Any]:
         """Response to an event."""
-        from mangum.handlers import HTTPGateway  # a server does without
+        from mangum.handlers import HTTPGateway
 
         gateway = HTTPGateway(_without_host(event), context, _GATEWAY)
         return gateway(_run(self._app, gateway.scope, gateway.body))
@@ -132,7 +132,7 @@ def _run(app: Any, scope: Any, body: bytes) -> Any:
     except Exception:
         if not messages:
             raise
-        _log.exception("the request failed")  # after its response
+        _log.exception("the request failed")
     else:
         raise RuntimeError("an endpoint waits asynchronously")
     start, *rest = messages

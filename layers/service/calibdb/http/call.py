@@ -36,13 +36,13 @@ from calibdb.schema.origins import is_loopback
 from calibdb.service import Service
 from calibdb.store import Store
 
-MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
+MAX_BODY_BYTES = 1_000_000  # ten times a view of the largest board
 
 MAX_COMPUTE_S = 2.8
 """Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
 elsewhere. Computations for real cameras need less."""
 MAX_RIG_COMPUTE_S = 5.2  # of a request about a rig of up to eight cameras
-_MIN_REMAINING_S = 1.5  # of an invocation, kept for storage and the answer
+_MIN_REMAINING_S = 1.5  # for storage and the answer
 RATE_LIMITS = "calibdb.rate_limits"
 """Key in a request's scope of the headers that report what is left of the plan."""
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront

@@ -13,7 +13,7 @@ from typing import Any
 
 from calibdb.schema.health import CanaryStep
 
-_TIMEOUT_S = 20.0  # per call: the first one starts a function
+_TIMEOUT_S = 20.0  # the first call starts a function
 _MAX_RESPONSE_BYTES = 1_000_000
 _KEY = {"camera": "calibDB canary", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _FOCAL, _CENTER = 950.0, (652.0, 351.0)  # px

@@ -17,7 +17,7 @@ from calibdb.errors import DeniedReadError
 InternalHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
 
 NAMESPACE = "calibDB"
-#: every metric and its unit; each costs as much in a month as 150,000 lookups
+#: each metric costs as much in a month as 150,000 lookups
 UNITS = {
     **dict.fromkeys(("Lookups", "Misses", "Redirects", "Sessions", "Views", "Refusals"), "Count"),
     **dict.fromkeys(("Calibrations", "ViewsPerSession", "Errors", "ComputeTimeouts"), "Count"),

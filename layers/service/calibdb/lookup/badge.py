@@ -16,7 +16,7 @@ Colour = Literal["green", "amber", "grey"]
 _COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
 _BADGE_FILE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
 _USB_ID_END = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
-_MAX_SHOWN_LENGTH = 40  # characters of a label that are shown
+_MAX_SHOWN_LENGTH = 40
 _NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQRSUVXYZ±×")
 
 
@@ -46,7 +46,7 @@ def badge_of(
 ) -> Badge:
     """Badge of the camera with this label at a size.
 
-    A camera that no search shows has no name here either.
+    A camera that no search shows has no name.
     """
     if not is_listed(documents, thresholds.min_contributors):
         return NOT_CALIBRATED

@@ -1,6 +1,6 @@
 """Match of a lookup: the camera, by USB id and name or only by the name, and its consensus for the request.
 
-A name of many products, or of two well-known USB ids, finds no camera: the match is never a guess.
+A name of many products, or of two well-known USB ids, finds no camera.
 """
 
 from __future__ import annotations

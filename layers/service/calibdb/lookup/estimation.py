@@ -28,7 +28,7 @@ def estimate_for(
 ) -> Estimate:
     """Estimate the camera of a lookup from its unreliable consensuses.
 
-    `fitting`: the group of its calibrations that fits the views sent.
+    `fitting`: the group that fits the views sent.
     """
     identity, system = identify(request.camera, request.platform), system_of(request.platform)
     kind = device_of(identity, system).kind

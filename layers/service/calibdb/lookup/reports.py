@@ -15,10 +15,10 @@ from calibdb.store.aliases import Alias
 from calibdb.store.miss_counts import USB
 
 REPORT_S = 600  # between two reports of an instance, which loses its counts when it ends
-MAX_CAMERAS = 50  # that are counted until then
+MAX_CAMERAS = 50
 
 _DAY_S = 86_400
-_MAX_ALIASES = 4096  # that are remembered
+_MAX_ALIASES = 4096
 
 
 class MissCounter:

@@ -17,8 +17,8 @@ from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer
 from calibdb.schema.calibration import Relation
 from calibdb.schema.fields import Row
 
-_MIN_EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
-_MAX_FOCAL_RATIO = 2.0  # of the focal lengths at two zooms, up to which a lens is interpolated between them
+_MIN_EVIDENCE = 2  # calibrations at an unreliable size that verify a relation
+_MAX_FOCAL_RATIO = 2.0  # between two interpolated zooms
 _MAX_ASPECT_LOG = 0.01  # 854x480 and 1280x720 differ by 0.0007, 4:3 and 5:4 by 0.065
 # Of the width: agreeing calibrations of one camera differ by a third of that, rms over the image.
 _MAX_PICTURE_RMS = 0.003

@@ -17,7 +17,7 @@ _MAX_ROUNDS = 5
 def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
     """Mark the camera as well known under its name, or not.
 
-    Of concurrent computations the one that has seen less may write last. So each looks again.
+    Concurrent computations may have seen less. So each looks again.
     """
     for _ in range(_MAX_ROUNDS):
         if not _refresh_once(store, camera_key, thresholds):
@@ -28,7 +28,7 @@ def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool
     """Write the mark; False if it was written already, or no calibration counts."""
     modes = store.calibrations.modes(camera_key)
     if not modes:
-        return False  # its names are gone
+        return False
     support, some = IdSupport(), ""
     for mode in modes:
         for consensus in store.consensuses.at(mode):

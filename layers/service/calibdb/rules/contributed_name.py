@@ -22,7 +22,7 @@ def most_contributed(
 def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
     """Name of each group by most of its contributors; None if another group has the same.
 
-    `groups`: contributors and the names they gave.
+    `groups`: contributors and their names.
     """
     names = [_mode_name(group) for group in groups]
     counts = Counter(name.casefold() for name in names if name)

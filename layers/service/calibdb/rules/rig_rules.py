@@ -234,7 +234,7 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     """True if `view` replays one that this session of a rig has; False if its moment is open.
 
-    The moment identifies a view, not its index. Raises ConflictError if the moment carries another view.
+    Raises ConflictError if the moment carries another view.
     """
     known = next((one for one in session.views if one.moment == view.moment), None)
     return session_rules.is_replay(session, known, view, "This camera has another view of the moment.")
@@ -251,7 +251,7 @@ def ending_of(ended: SessionDocument) -> EndingDocument:
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
     """End a session as its rig ended, without views that came too late.
 
-    None if it has ended, or was restarted after that decision: it is another capture.
+    None if it has ended, or was restarted: it is another capture.
     """
     if session.finish is not None or session_result.calibration_id(session) != ending.finish.calibration_id:
         return None

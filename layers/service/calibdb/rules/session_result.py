@@ -113,7 +113,7 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         calibration_time=finish.time if finish else estimate.time,
     )
     return {
-        **dict(document),  # of which a state has what it shares
+        **dict(document),  # which has more members
         "status": status,
         "views": tuple(
             ViewState(

@@ -26,10 +26,10 @@ from calibdb.schema.membership import RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 from calibdb.schema.session import MAX_RECORDED_VIEWS, SetAside
 
-MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
-MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can agree by chance
-MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
-MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
+MAX_POINTS = 20_000  # of all views: few enough to fit within a request
+MIN_RECORDED_VIEWS = 4  # that agree: fewer can agree by chance
+MAX_SKIPPED_TARGETS = 8
+MAX_QUARANTINED_VIEWS = 4
 ViewStatus = tuple[float | None, Mapping[str, str] | None]  # error in px; reason and detail if set aside
 _EDGE_PX = 0.5  # a pixel centre at 0 reaches from -0.5 to 0.5
 
@@ -169,13 +169,13 @@ def with_view(
 ) -> SessionDocument:
     """Add an accepted view to the document. Progress only grows.
 
-    The view records `on_target` and the error stated after it: the end of the capture depends on both.
+    The end of the capture depends on `on_target` and the stated error of each view.
     """
     stated = estimate.uncertainty.rms if estimate.uncertainty else None
     view = view.model_copy(update={"on_target": on_target, "stated": stated})
     update = {
         "progress": max(document.estimate.progress, estimate.progress),
-        # A suggestion is made once: it is dear to compute, and one more view hardly takes it back.
+        # A suggestion is made once, since it is expensive to compute.
         "suggested_model": estimate.suggested_model or document.estimate.suggested_model,
     }
     views = (*document.views, view)
@@ -197,7 +197,7 @@ def with_view(
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None if it is there already.
 
-    When more views like it come, the accepted ones were wrong.
+    More views like it show that the accepted ones were wrong.
     """
     if _same_corners(document.doubted, view) is not None:
         return None
@@ -308,7 +308,7 @@ def find_seed(
 ) -> FitRecord | None:
     """Initial camera of a capture: the reliable consensus of this size, zoom and model.
 
-    Unreliable ones may be of another camera.
+    Others may be of another camera.
     """
     for consensus in consensuses:
         same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)

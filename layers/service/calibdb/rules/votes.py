@@ -24,11 +24,11 @@ from calibdb.schema.fields import IPV6_SOURCE, size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: smaller errors do not matter
-_MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
-_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width: specimens of one product differ by that, rms over the image
-_MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
-_MAX_INFORMATIVE_WIDTHS = 2e-3  # of the width: predicted error of a camera, up to which it says which it is
+_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width
+_MAX_EXCESS_WIDTHS = 5e-4  # beyond the noise, that no ratio excuses
+_SPECIMEN_SPREAD_WIDTHS = 4e-3  # rms over the image
+_MAX_SIGMAS = 3.0
+_MAX_INFORMATIVE_WIDTHS = 2e-3  # predicted error of a camera
 
 
 @dataclass(frozen=True)
