@@ -37,13 +37,17 @@ def resolve(
     return found.key, found.choice.found, len(keys)
 
 
+def named(*known: ConsensusDocument, other: ConsensusDocument | None = None) -> dict[str, CameraRecords]:
+    """Index of a name, and of the USB id that is known under it."""
+    found = CameraRecords([other or consensus()])
+    return {NAMED.key: CameraRecords([*known], (CHROME.key,)), CHROME.key: found}
+
+
 def test_calibrations_of_the_name_come_first() -> None:
     known = consensus(camera="HD Pro Webcam C920")
-    index = {NAMED.key: CameraRecords([known], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
-    assert resolve(index) == (NAMED.key, known, 1)
+    assert resolve(named(known)) == (NAMED.key, known, 1)
     few = consensus(camera="HD Pro Webcam C920", reason="too_few", calibrations=2)
-    index = {NAMED.key: CameraRecords([few], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
-    assert resolve(index)[0] == CHROME.key
+    assert resolve(named(few))[0] == CHROME.key
 
 
 def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
@@ -73,8 +77,7 @@ def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
 
 def test_name_with_contradictory_calibrations_finds_nothing() -> None:
     split = consensus(camera="HD Pro Webcam C920", reason="disagree")
-    index = {NAMED.key: CameraRecords([split], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
-    assert resolve(index) == (NAMED.key, None, 1)
+    assert resolve(named(split)) == (NAMED.key, None, 1)
 
 
 def test_uncalibrated_usb_id_finds_its_name() -> None:
@@ -99,21 +102,14 @@ def test_generic_name_is_found_on_private_deployments_only() -> None:
 
 
 def test_computable_model_is_an_answer() -> None:
-    index = {
-        NAMED.key: CameraRecords([], (CHROME.key,)),
-        CHROME.key: CameraRecords([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
-    }
-    assert resolve(index)[0] == CHROME.key
+    other = consensus(fit(model="rational", distortion=(0.0,) * 8))
+    assert resolve(named(other=other))[0] == CHROME.key
 
 
 def stored(
-    size: tuple[int, int],
-    model: str = "rectilinear",
-    reason: str | None = None,
-    zoom: float = 0.0,
-    total: int = 5,
+    size: tuple[int, int], model: str = "rectilinear", reason: str | None = None, total: int = 5
 ) -> ConsensusDocument:
-    return consensus(fit(size, model=model), zoom=zoom, reason=reason, calibrations=total)
+    return consensus(fit(size, model=model), reason=reason, calibrations=total)
 
 
 HD, FULL_HD, VGA, SD = (1280, 720), (1920, 1080), (640, 480), (854, 480)

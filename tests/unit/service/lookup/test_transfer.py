@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibdb.lookup.transfer import Window, bracketing_zooms, build_answer, relate, transfer_intrinsics
-from calibdb.schema import Calibration, ConsensusDocument, FitRecord, LookupAnswer
+from calibdb.schema import Calibration, ConsensusDocument, FitRecord
 from calibsolver import fit as solve
 from tests.helpers.data import corner_views, external_data
 from tests.helpers.service.known import consensus, fit
@@ -20,49 +20,41 @@ def at(size: Size, s: float | None = None, **options: object) -> ConsensusDocume
     return consensus(fit(size, F * (size[0] / 1280 if s is None else s), uncertainty=0.1), **options)  # type: ignore[arg-type]
 
 
-def asked(known: list[ConsensusDocument], size: Size, answered: int = 0) -> LookupAnswer:
-    found = known[answered].calibration
-    assert found is not None
-    return build_answer(found, known, size)
+SMALL, HD, FULL_HD = (640, 360), (1280, 720), (1920, 1080)
 
 
-@pytest.mark.parametrize("size", [(1920, 1080), (320, 180)])
-def test_relation_outside_the_known_sizes_is_unknown(size: Size) -> None:
-    found = asked([at((640, 360)), at((960, 540))], size)
-    assert (found.relation, found.adapted) == ("scale", None)
-
-
-def test_another_aspect_between_them_is_another_picture() -> None:
-    found = asked([at((640, 360)), at((1920, 1080))], (1280, 960))
-    assert found.adapted is None
-
-
-def test_unrelated_sizes_do_not_verify_one_between() -> None:
-    found = asked([at((640, 360)), at((1920, 1080), s=1.9)], (1280, 720))
-    assert (found.relation, found.adapted) == ("scale+crop", None)
-
-
-def test_two_unreliable_calibrations_verify_the_size_relation() -> None:
-    few = at((640, 480), s=0.5, reason="too_few", calibrations=2)
-    found = asked([at((1280, 960)), few], (640, 480))
-    assert found.relation == "scale"
-    assert found.adapted is not None
-    assert found.adapted.camera_matrix[0][0] == pytest.approx(F / 2)
-
-
-@pytest.mark.parametrize(("reason", "calibrations"), [("too_few", 1), ("disagree", 6)])
-def test_single_or_contradictory_calibrations_verify_nothing(reason: str, calibrations: int) -> None:
-    known = [at((640, 360)), at((1920, 1080)), at((1280, 720), reason=reason, calibrations=calibrations)]
-    found = asked(known, (1280, 720))
-    assert (found.relation, found.adapted) == (None, None)
-
-
-def test_evidence_against_scaling_outweighs_other_sizes() -> None:
-    known = [at((640, 360)), at((1920, 1080)), at((1280, 720), s=1.3, reason="too_few", calibrations=3)]
-    found = asked(known, (1280, 720), 1)
-    assert found.relation == "scale+crop"
-    assert found.adapted is not None
-    assert found.adapted.camera_matrix[0][0] == pytest.approx(1.3 * F, rel=1e-3)
+@pytest.mark.parametrize(
+    ("known", "size", "relation", "focal"),
+    [
+        pytest.param([at(SMALL), at((960, 540))], FULL_HD, "scale", None, id="above the known sizes"),
+        pytest.param([at(SMALL), at((960, 540))], (320, 180), "scale", None, id="below the known sizes"),
+        pytest.param([at(SMALL), at(FULL_HD)], (1280, 960), "scale", None, id="another aspect"),
+        pytest.param([at(SMALL), at(FULL_HD, s=1.9)], HD, "scale+crop", None, id="between unrelated sizes"),
+        pytest.param(
+            [at((1280, 960)), at((640, 480), reason="too_few", calibrations=2)], (640, 480), "scale", F / 2,
+            id="two calibrations there",
+        ),
+        *(
+            pytest.param([at(SMALL), at(FULL_HD), at(HD, reason=reason, calibrations=n)], HD, None, None)
+            for reason, n in (("too_few", 1), ("disagree", 6))
+        ),
+        pytest.param(
+            [at(FULL_HD), at(SMALL), at(HD, s=1.3, reason="too_few", calibrations=3)],
+            *(HD, "scale+crop", 1.3 * F),
+            id="evidence there outweighs sizes around",
+        ),
+    ],
+)  # fmt: skip
+def test_only_verified_relations_adapt_the_intrinsics(
+    known: list[ConsensusDocument], size: Size, relation: str | None, focal: float | None
+) -> None:
+    assert known[0].calibration is not None
+    answer = build_answer(known[0].calibration, known, size)
+    assert answer.relation == relation
+    if focal is None or answer.adapted is None:
+        assert answer.adapted is focal
+    else:
+        assert answer.adapted.camera_matrix[0][0] == pytest.approx(focal, rel=1e-3)
 
 
 def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
