@@ -212,11 +212,9 @@ class Call:
 
         Raises UnauthenticatedError, ForbiddenError, or TooManyError.
         """
-        if credential is not None and "authorization" not in self.request.headers:
-            sent = credential
-        else:
-            sent = self._bearer()
-        token = self.service.api_token(sent, self.require_thread)
+        if credential is None or "authorization" in self.request.headers:
+            credential = self._bearer()
+        token = self.service.api_token(credential, self.require_thread)
         # The site's own pages try calls with a visitor's token, whatever its origins.
         if not token.admits(self.origin) and self.origin != self.service.settings.site_origin:
             if self.origin in token.pending:

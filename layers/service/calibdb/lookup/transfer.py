@@ -134,7 +134,7 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
     if fitted is None:
         return "neither", None
     candidates: list[tuple[Relation, float, float]] = []
-    if same_aspect(one.img_size, other.img_size):
+    if _same_aspect(one.img_size, other.img_size):
         candidates.append(("scale", ow / w, oh / h))
     candidates.append(("crop", 1.0, 1.0))
     if all(abs(math.log(fitted / sx)) > _MIN_SCALE_LOG for _, sx, _ in candidates):
@@ -163,13 +163,12 @@ def transfer_intrinsics(one: Calibration, window: Window) -> tuple[tuple[Row, Ro
 
 def closeness(size: tuple[int, int], requested: tuple[int, int]) -> tuple[bool, float, float]:
     """Sort key of sizes: the same first, then by aspect, then by area."""
-    aspect = 0.0 if same_aspect(size, requested) else _aspect_log(size, requested)
+    aspect = 0.0 if _same_aspect(size, requested) else _aspect_log(size, requested)
     area = abs(math.log(size[0] * size[1] / (requested[0] * requested[1])))
     return size != requested, aspect, area
 
 
-def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """True if two sizes have one aspect."""
+def _same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
     return _aspect_log(one, other) < _MAX_ASPECT_LOG
 
 
@@ -203,7 +202,7 @@ def _relate_and_adapt(
         # A size that was never calibrated shows the same as two sizes around it that do. Beyond them many a
         # camera begins to cut.
         alike = sorted(
-            (c for c in (found, *others) if same_aspect(c.img_size, requested)), key=lambda c: c.img_size[0]
+            (c for c in (found, *others) if _same_aspect(c.img_size, requested)), key=lambda c: c.img_size[0]
         )
         lower = [c for c in alike if c.img_size[0] < requested[0]]
         upper = [c for c in alike if c.img_size[0] > requested[0]]

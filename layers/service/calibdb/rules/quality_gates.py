@@ -26,18 +26,17 @@ def is_evidence(document: CalibrationDocument) -> bool:
         return False
     width = document.img_size[0]
     is_fitted = fit.avg_reprojection_error <= MAX_OWN_ERROR_PER_WIDTH * width
-    return is_fitted and stated_error(fit.uncertainty) <= MAX_EVIDENCE_PER_WIDTH * width
+    return is_fitted and _stated_error(fit.uncertainty) <= MAX_EVIDENCE_PER_WIDTH * width
 
 
 def is_confirmable(calibration: Calibration) -> bool:
     """True if a consensus is as precise as a reliable one, and of clean corners."""
     width = calibration.img_size[0]
     return (
-        stated_error(calibration.uncertainty) <= MAX_CONFIRMABLE_PER_WIDTH * width
+        _stated_error(calibration.uncertainty) <= MAX_CONFIRMABLE_PER_WIDTH * width
         and calibration.avg_reprojection_error <= MAX_NOISE_PER_WIDTH * width
     )
 
 
-def stated_error(uncertainty: Uncertainty) -> float:
-    """Error where the boards were; over the image if that is unknown."""
+def _stated_error(uncertainty: Uncertainty) -> float:
     return uncertainty.rms if uncertainty.inside is None else uncertainty.inside

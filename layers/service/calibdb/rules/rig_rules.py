@@ -122,8 +122,7 @@ def require_leader(document: RigDocument, sid: str) -> None:
         )
 
 
-def position_of(document: RigDocument, sid: str) -> int | None:
-    """Position of a session, None if it is not a member."""
+def _position_of(document: RigDocument, sid: str) -> int | None:
     return next((i for i, m in enumerate(document.members) if m is not None and m.session == sid), None)
 
 
@@ -139,7 +138,7 @@ def join(
         raise _cannot_join(wanted, "the rig is finished")
     if board != document.board:
         raise InvalidError.field("board", "all cameras of a rig see one board, and the rig has another")
-    current = position_of(document, member.session)
+    current = _position_of(document, member.session)
     if current is not None:
         if wanted.position not in (None, current):
             raise InvalidError.field("rig.position", f"this session has position {current}")
@@ -177,7 +176,7 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
     known = _moment(document, moment)
     if known is not None:
         if known.undone:
-            raise moment_undone()
+            raise _moment_undone()
         return None
     if len(document.moments) >= MAX_MOMENTS:
         raise ConflictError(f"A rig has at most {MAX_MOMENTS} moments; finish it.", kind="rig-full")
@@ -221,14 +220,14 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
     """Check the moment of a new view; raises InvalidError or ConflictError."""
     if document is None:
         raise InvalidError.field("moment", "the rig of this session was deleted")
-    if position_of(document, session.session) is None:
+    if _position_of(document, session.session) is None:
         raise InvalidError.field("moment", "this session's place in the rig was given to another")
     require_open(document)
     moment = _moment(document, view.moment)
     if moment is None:
         raise InvalidError.field("moment", "the leader of the rig has not opened it")
     if moment.undone:
-        raise moment_undone()
+        raise _moment_undone()
 
 
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
@@ -281,8 +280,7 @@ def wrong_code() -> InvalidError:
     return InvalidError.field("rig.code", text)
 
 
-def moment_undone() -> ConflictError:
-    """Error of a moment that was undone."""
+def _moment_undone() -> ConflictError:
     return ConflictError("This moment was undone.", kind="moment-undone")
 
 

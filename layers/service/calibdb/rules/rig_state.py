@@ -146,7 +146,7 @@ def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
         moments=tuple(_moment(name, by_position, fit) for name, by_position in moments),
         uncertainty=fit and fit.uncertainty,
         target_error=rig.target_error,
-        progress=progress(rig, estimate),
+        progress=_progress(rig, estimate),
         unlinked=estimate.unlinked,
         rms=fit and fit.rms,
         target=estimate.target,
@@ -160,16 +160,14 @@ def unit(document: RigDocument) -> Any:
     return "squares" if document.square_size is None else "metres"
 
 
-def is_converged(rig: Rig, fit: RigFit | None) -> bool:
-    """True if the rig is as sure as it is to be."""
+def _is_converged(rig: Rig, fit: RigFit | None) -> bool:
     enough = min(rig.count_agreeing(fit)) >= MIN_AGREEING_VIEWS
     return fit is not None and enough and fit.uncertainty.rms <= rig.target_error
 
 
-def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
-    """Progress of a capture, 0 to 1."""
+def _progress(rig: Rig, estimate: RigEstimateDocument) -> float:
     fit = estimate.fit
-    if is_converged(rig, fit):
+    if _is_converged(rig, fit):
         return 1.0
     if fit is None:
         linked = len(rig.sessions) - 1 - len(estimate.unlinked)
@@ -239,7 +237,7 @@ def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
     if few:
         text = f"{named(few)} fewer than {MIN_AGREEING_VIEWS} views that agree."
         yield RigAdvice(code="too_few_views", text=text, positions=few)
-    if is_converged(rig, fit):
+    if _is_converged(rig, fit):
         yield RigAdvice(code="converged", text="The rig is as sure as it is to be: it can be finished.")
 
 
