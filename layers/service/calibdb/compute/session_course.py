@@ -17,7 +17,7 @@ from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_result import accepted_result
 from calibdb.schema import BatchRequest, EstimateDocument, FitRecord, SessionDocument, ViewDocument
-from calibdb.schema.session import BatchResult, Hint, Refusal
+from calibdb.schema.session import BatchResult, Hint, Refusal, SetAside
 from calibsolver import FIT_VERSION, CalibrationError, Camera, DeadlineError, View
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision
 from calibsolver.fitting.coverage import Coverage, record_covered, uncertainty_members
@@ -177,8 +177,9 @@ class Course:
         if not (estimate.converged or rules.recorded):
             unreached = target_poses((*document.unreached, *document.skipped))
             following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-        stored = _estimate_document(estimate, self._now), _view_statuses(estimate)
-        changed = session_rules.with_view(document, view, *stored, following, decision.on_target)
+        judged = _judged_views((*document.views, view), estimate)
+        stored = _estimate_document(estimate, self._now)
+        changed = session_rules.with_view(document, judged, stored, following, decision.on_target)
         if estimate.converged:
             changed = self._end(changed, estimate, everything) or changed
         self.document, self._estimate = changed, estimate
@@ -256,8 +257,8 @@ def without_views(
     if with_target:
         unreached = target_poses(document.unreached)
         target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
-    stored = _estimate_document(estimate, now), _view_statuses(estimate)
-    return session_rules.with_views(document, left, *stored, target)
+    judged = _judged_views(left, estimate)
+    return session_rules.with_views(document, judged, _estimate_document(estimate, now), target)
 
 
 def finished(document: SessionDocument, now: int, who: str, where: str | None) -> SessionDocument:
@@ -280,7 +281,8 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
 
 
 def _with_estimate(document: SessionDocument, estimate: Estimate, now: int) -> SessionDocument:
-    return session_rules.with_estimate(document, _estimate_document(estimate, now), _view_statuses(estimate))
+    judged = _judged_views(document.views, estimate)
+    return session_rules.with_estimate(document, judged, _estimate_document(estimate, now))
 
 
 def _end(
@@ -333,8 +335,11 @@ def _estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
     return EstimateDocument.model_validate(record)
 
 
-def _view_statuses(estimate: Estimate) -> list[tuple[float | None, dict[str, str] | None]]:
-    """Each view's error, px, and the reason if it is excluded."""
-    reasons = [estimate.excluded.get(i) for i in range(len(estimate.view_errors))]
-    stored = [{"reason": r.reason, "detail": r.detail} if r else None for r in reasons]
-    return list(zip(estimate.view_errors, stored, strict=True))
+def _judged_views(views: Sequence[ViewDocument], estimate: Estimate) -> tuple[ViewDocument, ...]:
+    """Views with their errors, px, and the reasons of those that are excluded."""
+    judged = []
+    for i, (view, rms) in enumerate(zip(views, estimate.view_errors, strict=True)):
+        reason = estimate.excluded.get(i)
+        aside = reason and SetAside.model_validate({"reason": reason.reason, "detail": reason.detail})
+        judged.append(view.model_copy(update={"rms": rms, "set_aside": aside}))
+    return tuple(judged)

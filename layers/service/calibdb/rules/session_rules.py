@@ -24,13 +24,12 @@ from calibdb.schema import (
 from calibdb.schema.board import Board
 from calibdb.schema.membership import RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
-from calibdb.schema.session import MAX_RECORDED_VIEWS, SetAside
+from calibdb.schema.session import MAX_RECORDED_VIEWS
 
 MAX_POINTS = 20_000  # of all views: few enough to fit within a request
 MIN_RECORDED_VIEWS = 4  # that agree: fewer can agree by chance
 MAX_SKIPPED_TARGETS = 8
 MAX_QUARANTINED_VIEWS = 4
-ViewStatus = tuple[float | None, Mapping[str, str] | None]  # error in px; reason and detail if set aside
 _EDGE_PX = 0.5  # a pixel centre at 0 reaches from -0.5 to 0.5
 
 
@@ -161,16 +160,16 @@ def _require_room(document: SessionDocument, views: Sequence[ObservedCorners | V
 
 def with_view(
     document: SessionDocument,
-    view: ViewDocument,
+    views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
-    statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
     on_target: bool | None = None,
 ) -> SessionDocument:
-    """Add an accepted view to the document. Progress only grows.
+    """Add an accepted view, the last of `views`. Progress only grows.
 
     The end of the capture depends on `on_target` and the stated error of each view.
     """
+    *others, view = views
     stated = estimate.uncertainty.rms if estimate.uncertainty else None
     view = view.model_copy(update={"on_target": on_target, "stated": stated})
     update = {
@@ -178,20 +177,14 @@ def with_view(
         # A suggestion is made once, since it is expensive to compute.
         "suggested_model": estimate.suggested_model or document.estimate.suggested_model,
     }
-    views = (*document.views, view)
     unreached = (*document.unreached, *document.skipped)
-    return document.model_copy(
-        update={
-            "next_index": max(document.next_index, view.index + 1),
-            "views": _with_statuses(views, statuses),
-            "estimate": estimate.model_copy(update=update),
-            "target": target,
-            "skipped": (),
-            "unreached": unreached[-MAX_SKIPPED_TARGETS:],
-            "doubted": (),
-            "duplicates": 0,
-        }
-    )
+    changed = {
+        "next_index": max(document.next_index, view.index + 1),
+        "unreached": unreached[-MAX_SKIPPED_TARGETS:],
+        "doubted": (),
+    }
+    grown = with_views(document, (*others, view), estimate.model_copy(update=update), target)
+    return grown.model_copy(update=changed)
 
 
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
@@ -220,33 +213,20 @@ def with_views(
     document: SessionDocument,
     views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
-    statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
 ) -> SessionDocument:
     """Replace the views and their estimate."""
-    return document.model_copy(
-        update={
-            "views": _with_statuses(views, statuses),
-            "estimate": estimate,
-            "target": target,
-            "skipped": (),
-            "duplicates": 0,
-        }
-    )
+    changed = {"views": views, "estimate": estimate, "target": target, "skipped": (), "duplicates": 0}
+    return document.model_copy(update=changed)
 
 
 def with_estimate(
-    document: SessionDocument, estimate: EstimateDocument, statuses: Sequence[ViewStatus]
+    document: SessionDocument, views: tuple[ViewDocument, ...], estimate: EstimateDocument
 ) -> SessionDocument:
-    """Replace the estimate, except its advice."""
+    """Replace the estimate, except its advice, and the views, which have other errors."""
     known = document.estimate
     kept = {"suggested_model": known.suggested_model, "advice": known.advice}
-    return document.model_copy(
-        update={
-            "views": _with_statuses(document.views, statuses),
-            "estimate": estimate.model_copy(update=kept),
-        }
-    )
+    return document.model_copy(update={"views": views, "estimate": estimate.model_copy(update=kept)})
 
 
 def with_advice(document: SessionDocument, estimate: EstimateDocument) -> SessionDocument:
@@ -286,15 +266,6 @@ def require_finishable(document: SessionDocument) -> None:
             f"A calibration needs {MIN_RECORDED_VIEWS} views that agree; {used} are in. Submit more views.",
             kind="too-few-views",
         )
-
-
-def _with_statuses(
-    views: tuple[ViewDocument, ...], statuses: Sequence[ViewStatus]
-) -> tuple[ViewDocument, ...]:
-    return tuple(
-        v.model_copy(update={"rms": rms, "set_aside": aside and SetAside.model_validate(aside)})
-        for v, (rms, aside) in zip(views, statuses, strict=True)
-    )
 
 
 def _same_corners(known: Sequence[ViewDocument], view: ViewDocument | ObservedCorners) -> ViewDocument | None:

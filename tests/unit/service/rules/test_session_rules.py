@@ -19,8 +19,8 @@ def view(index: int, points: tuple[tuple[float, float], ...] = ((1.0, 2.0), (3.0
 
 
 def accept(document: SessionDocument, index: int, progress: float) -> SessionDocument:
-    statuses = [(0.1, None)] * (len(document.views) + 1)
-    return session_rules.with_view(document, view(index), EstimateDocument(progress=progress), statuses, {})
+    views = (*document.views, view(index))
+    return session_rules.with_view(document, views, EstimateDocument(progress=progress), {})
 
 
 def test_no_persons_name_enters_a_document() -> None:
@@ -55,7 +55,7 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
             session_rules.is_idempotent_replay(document, view(index))
     left = session_rules.without_view(document, 1)
     assert left is not None
-    undone = session_rules.with_views(document, left, EstimateDocument(), [(0.1, None)], {})
+    undone = session_rules.with_views(document, left, EstimateDocument(), {})
     assert undone.next_index == 2
     with pytest.raises(ConflictError):
         session_rules.is_idempotent_replay(undone, view(1))
@@ -65,9 +65,7 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
 def test_progress_grows_and_an_undo_takes_it_back() -> None:
     document = accept(accept(DOCUMENT, 0, 0.5), 1, 0.4)
     assert document.estimate.progress == 0.5
-    undone = session_rules.with_views(
-        document, document.views[:1], EstimateDocument(progress=0.3), [(0.1, None)], {}
-    )
+    undone = session_rules.with_views(document, document.views[:1], EstimateDocument(progress=0.3), {})
     assert undone.estimate.progress == 0.3
 
 
@@ -97,7 +95,7 @@ COORDINATE = st.floats(-1, 16384)
 @given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=20))
 def test_stored_view_equals_the_request(points: list[tuple[float, float]]) -> None:
     sent = view(0, tuple(points))
-    document = session_rules.with_view(DOCUMENT, sent, EstimateDocument(), [(None, None)], None)
+    document = session_rules.with_view(DOCUMENT, (sent,), EstimateDocument(), None)
     read = SessionDocument.model_validate_json(document.model_dump_json())
     assert read == document
     assert session_rules.is_idempotent_replay(read, sent)
