@@ -47,20 +47,20 @@ def _answer(call: Call, request: LookupRequest) -> Response:
     if request.views:
         require_corners(request.board, request.img_size, request.views)
     found = _find(call, request)
-    now, answer = call.service.clock(), found.answer
+    answer = found.answer
     if answer is not None:
-        metrics.count(now, Lookups=1)
+        metrics.count(Lookups=1)
         if request.estimate == "always":
             answer = answer.model_copy(update={"estimate": estimate_for(request, ())})
         return json_response(answer, 200, _CACHED if call.request.method != "POST" else None)
     url = call.service.settings.guidance_url + "?" + request.key_query
     likely = estimate_for(request, found.known, _group(call, request, found))
     miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
-    metrics.count(now, Lookups=1, Misses=1)
+    metrics.count(Lookups=1, Misses=1)
     if request.miss == "ok":
         return json_response(NoCalibration(**dict(miss)))
     if request.redirect and call.flag("redirect", default=True):
-        metrics.count(now, Redirects=1)
+        metrics.count(Redirects=1)
         return json_response(miss, 307, {"Location": url})
     facts = miss.model_dump(mode="json", include={"guidance_url", "reason", "estimate"})
     raise NotFoundError(found.detail, kind="no-calibration", extensions=facts)
@@ -102,7 +102,7 @@ def known(call: Call) -> Response:
     found = find_by_digest(call.store, call.path("digest"), wanted, private=private)
     if found is None:
         return json_response(UnknownCamera(reason="unknown_camera"), 404, _UNKNOWN)
-    metrics.count(call.service.clock(), Lookups=1)
+    metrics.count(Lookups=1)
     if found.answer is None:
         return json_response(UnknownCamera(reason=found.reason), 404, _UNKNOWN)
     return tagged_response(call.request, found.answer, _KNOWN)

@@ -69,7 +69,7 @@ def finish(call: Call) -> Response:
     rig_id = call.path("id")
     ended = rig_course.finish(call.with_time_for_a_rig(), rig_id, sid)
     if ended:
-        metrics.count(call.service.clock(), Calibrations=ended)
+        metrics.count(Calibrations=ended)
     return _state_response(call, rig_id)
 
 

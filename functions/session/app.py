@@ -45,7 +45,7 @@ def start(call: Call) -> Response:
     if not session_rules.is_same_start(document, session):
         raise _other_content()
     if made:
-        metrics.count(now, Sessions=1)
+        metrics.count(Sessions=1)
     return json_response(state(document), 201)
 
 

@@ -10,7 +10,7 @@ from starlette.responses import Response
 
 from calibdb.compute import session_course
 from calibdb.compute.session_course import Batch, Judgement, computing_views
-from calibdb.http import application, metrics
+from calibdb.http import application
 from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.session_result import batch_answer, state, view_answer
@@ -36,7 +36,7 @@ def submit(call: Call) -> Response:
 
     with computing_views(call):
         document, judged = service.store.sessions.update(ticket.sid, service.now, change)
-    _count(call, judged)
+    judged.count()
     if document.finish is not None:
         endings.publish(service.store, document)
     return json_response(view_answer(document, judged.reason, judged.hint))
@@ -55,7 +55,7 @@ def submit_batch(call: Call) -> Response:
     with computing_views(call):
         batch = service.store.sessions.update(sid, service.now, change)
     for judged in batch.judged:
-        _count(call, judged)
+        judged.count()
     return json_response(batch_answer(batch.document, batch.results))
 
 
@@ -89,11 +89,6 @@ def license_views(call: Call) -> Response:
     request = call.json(LicenceRequest)
     document = endings.license_session(call.store, sid, request, call.now)
     return json_response(state(document))
-
-
-def _count(call: Call, judged: Judgement) -> None:
-    if judged.measurements:
-        metrics.count(call.service.clock(), reason=judged.reason, **judged.measurements)
 
 
 handler = application.handler(

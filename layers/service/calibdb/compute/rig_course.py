@@ -60,7 +60,7 @@ def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
         except DeadlineError:
             if call.processor_s_left > 0:
                 raise  # on a busy machine
-            metrics.count(call.service.clock(), ComputeTimeouts=1)
+            metrics.count(ComputeTimeouts=1)
             stored = RigEstimateDocument(too_slow=True)
         rigs.keep_estimate(rig.document.rig, digest, stored)
     if stored.too_slow:

@@ -13,6 +13,7 @@ from pydantic import JsonValue
 
 from calibdb.compute.values import board_of, camera_of, in_time, naming, views_of
 from calibdb.errors import ConflictError
+from calibdb.http import metrics
 from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_result import accepted_result
@@ -106,17 +107,16 @@ class Judgement:
             return before
         return self.document
 
-    @property
-    def measurements(self) -> dict[str, float]:
-        """Values to count, by the names of metrics."""
+    def count(self) -> None:
+        """Count the judgement, unless the view was judged before."""
         if self.took_ms is None:
-            return {}
+            return
         values: dict[str, float] = {"Views": 1, "FitTime": self.took_ms}
         if self.reason is not None:
             values["Refusals"] = 1
         elif self.document is not None and self.document.finish is not None:
             values |= {"Calibrations": 1, "ViewsPerSession": len(self.document.views)}
-        return values
+        metrics.count(reason=self.reason, **values)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ import hashlib
 import json
 import logging
 import os
-import time
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from http import HTTPStatus
@@ -163,7 +162,7 @@ async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
     if error.status >= HTTPStatus.INTERNAL_SERVER_ERROR:
         _log.error("%s", error.detail, exc_info=error)
         denied = {"DeniedReads": 1} if isinstance(error, DeniedReadError) else {}
-        metrics.count(time.time(), reason=error.kind, Errors=1, **denied)
+        metrics.count(reason=error.kind, Errors=1, **denied)
     return problem_response(error)
 
 
@@ -178,7 +177,7 @@ async def _on_http_exception(_: Request, raised: Exception) -> Response:
 
 async def _on_unhandled(_: Request, __: Exception) -> Response:
     # Starlette raises it again once this is sent, and Mangum logs it with its trace.
-    metrics.count(time.time(), reason="internal", Errors=1)
+    metrics.count(reason="internal", Errors=1)
     return problem_response(
         CalibdbError("The service failed to handle the request; the request itself may be valid.")
     )

@@ -101,7 +101,7 @@ class Call:
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
         """Error of a computation that was cut off: UnavailableError on a busy machine."""
-        metrics.count(self.service.clock(), ComputeTimeouts=1)
+        metrics.count(ComputeTimeouts=1)
         if self.processor_s_left <= 0:
             return error
         return UnavailableError("The service is too busy to compute this now; try again.")
@@ -262,7 +262,7 @@ class Call:
             if len(hops) >= _HOPS_OF_EDGE:
                 return hops[-_HOPS_OF_EDGE].strip()
         elif shown and secrets:  # our distribution with an unknown secret, or a guess
-            metrics.count(self.service.clock(), UnknownEdges=1)
+            metrics.count(UnknownEdges=1)
         return self.request.client.host if self.request.client else ""
 
     def contributor(self, ticket: Ticket) -> tuple[str, str]:

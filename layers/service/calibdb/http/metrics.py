@@ -48,10 +48,10 @@ def document(stack: str, now: float, values: Mapping[str, float], reason: str | 
     return json.dumps(line, separators=(",", ":"))
 
 
-def count(now: float, *, reason: str | None = None, **values: float) -> None:
+def count(*, reason: str | None = None, **values: float) -> None:
     """Print the values, in Lambda only."""
     if "AWS_LAMBDA_RUNTIME_API" in os.environ:
-        print(document(os.environ.get("STACK_NAME", ""), now, values, reason), flush=True)
+        print(document(os.environ.get("STACK_NAME", ""), time.time(), values, reason), flush=True)
 
 
 def counting_denied_reads(handler: InternalHandler) -> InternalHandler:
@@ -62,7 +62,7 @@ def counting_denied_reads(handler: InternalHandler) -> InternalHandler:
         try:
             return handler(event, context)
         except DeniedReadError:
-            count(time.time(), DeniedReads=1)
+            count(DeniedReads=1)
             raise
 
     return wrapped

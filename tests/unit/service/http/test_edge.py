@@ -17,7 +17,6 @@ SETTINGS = Settings.from_environment({**ENVIRONMENT, "EDGE_SECRETS": f"{SECRET},
 class Service:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.clock = lambda: 1.7e9
 
 
 def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) -> str:
