@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.compute import session_course
-from calibdb.compute.session_course import Batch, Judgement, computing_views
+from calibdb.compute.session_course import Batch, Course, Judgement, computing_views, judge_batch
 from calibdb.http import application
 from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
@@ -31,7 +30,7 @@ def submit(call: Call) -> Response:
         if running_rigs.is_replay(service.store, document, view):
             return None, (document, Judgement())
         session_rules.validate_view(document, view)
-        judged = session_course.Course(document, service.now, who, where).judge(view)
+        judged = Course(document, service.now, who, where).judge(view)
         return judged.document, (judged.shown(document), judged)
 
     with computing_views(call):
@@ -49,7 +48,7 @@ def submit_batch(call: Call) -> Response:
     service = call.service
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, Batch]:
-        batch = session_course.judge_batch(document, request, service.now, call.seconds_left)
+        batch = judge_batch(document, request, service.now, call.seconds_left)
         return (None if batch.document is document else batch.document), batch
 
     with computing_views(call):
@@ -64,9 +63,7 @@ def remove(call: Call) -> Response:
     sid = call.session(charge="views").sid
     index, now = call.index("index"), call.now
     with computing_views(call):
-        document = call.store.sessions.revise(
-            sid, now, lambda known: session_course.without_view(known, index, now)
-        )
+        document = call.store.sessions.revise(sid, now, lambda known: Course(known, now).without_view(index))
     return json_response(state(document))
 
 
@@ -77,7 +74,7 @@ def finish(call: Call) -> Response:
     who, where = call.contributor(ticket)
     with computing_views(call):
         document = service.store.sessions.revise(
-            ticket.sid, service.now, lambda known: session_course.finish(known, service.now, who, where)
+            ticket.sid, service.now, lambda known: Course(known, service.now, who, where).finish()
         )
     endings.publish(service.store, document)
     return json_response(state(document))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 
-from calibdb.compute.session_course import finished, without_views
+from calibdb.compute.session_course import Course
 from calibdb.compute.values import in_time
 from calibdb.errors import ConflictError
 from calibdb.http import metrics
@@ -108,7 +108,7 @@ def undo_moment(call: Call, rig_id: str, leader: str, moment: str) -> None:
         elsewhere = session.rig is None or session.rig.id != rig_id
         if elsewhere or len(left) == len(session.views) or session.finish is not None:
             return None
-        return without_views(session, left, now, with_target=False)
+        return Course(session, now).without_views(left, with_target=False)
 
     store.rigs.revise(rig_id, now, change)
     rig, _ = load(store, rig_id)
@@ -157,7 +157,8 @@ def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
     counted = {name for name, _ in rig.moments()}
     views = tuple(view for view in session.views if view.moment in counted)
     with_counted = session.model_copy(update={"views": views})
-    return rig_rules.ending_of(finished(with_counted, now, session.contributor or "", session.source))
+    course = Course(with_counted, now, session.contributor or "", session.source)
+    return rig_rules.ending_of(course.finished())
 
 
 def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import JsonValue
 
@@ -129,18 +128,23 @@ class Batch:
 
 
 class Course:
-    """Course of one session while views are offered to it.
+    """Course of one session.
 
     `who`, `where`: keyed hashes of the contributor and of their source. `explains`: with advice, which
     `explain` adds otherwise.
     """
 
     def __init__(
-        self, document: SessionDocument, now: int, who: str = "", where: str = "", *, explains: bool = True
+        self,
+        document: SessionDocument,
+        now: int,
+        who: str = "",
+        where: str | None = "",
+        *,
+        explains: bool = True,
     ) -> None:
         self.document = document
-        self._now, self._explains = now, explains
-        self._end = functools.partial(_end, now=now, who=who, where=where)
+        self._now, self._who, self._where, self._explains = now, who, where, explains
         self._estimate: Estimate | None = None
         self._session = Session.of(document)
 
@@ -165,12 +169,10 @@ class Course:
         if not decision.accepted or estimate is None:
             hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
             refused = _refused(document, view, decision)
+            self._session = Session(rules, views, excluded)
             if refused is not None and _history(refused).is_exhausted(len(views) - len(excluded)):
-                estimate = rules.estimate(views, excluded).with_cause(views)
-                estimate = replace(estimate, progress=1.0, end="nothing_new")
-                refused = _with_estimate(refused, estimate, self._now)
-                refused = self._end(refused, estimate, views) or refused
-            self.document, self._session = refused or self.document, Session(rules, views, excluded)
+                refused = self._stop(refused, "nothing_new")
+            self.document = refused or self.document
             return Judgement(refused, decision.reason, hint)
         everything = [*views, observation]
         following = None
@@ -181,7 +183,7 @@ class Course:
         stored = _estimate_document(estimate, self._now)
         changed = session_rules.with_view(document, judged, stored, following, decision.on_target)
         if estimate.converged:
-            changed = self._end(changed, estimate, everything) or changed
+            changed = self._end(changed, estimate, everything)
         self.document, self._estimate = changed, estimate
         self._session = Session(rules, everything, dict(estimate.excluded))
         return Judgement(changed)
@@ -193,6 +195,65 @@ class Course:
                 estimate = self._session.rules.explain(self._session.views, self._estimate)
                 stored = _estimate_document(estimate, self._now)
                 self.document = session_rules.with_advice(self.document, stored)
+
+    def without_view(self, index: int) -> SessionDocument | None:
+        """Undo a view; None if it was undone before. Raises ConflictError or NotFoundError."""
+        if self.document.rig is not None:
+            raise rig_rules.in_rig()
+        left = session_rules.without_view(self.document, index)
+        return None if left is None else self.without_views(left)
+
+    def without_views(self, left: tuple[ViewDocument, ...], *, with_target: bool = True) -> SessionDocument:
+        """Session with the views that are left, fitted again, and another target."""
+        document = self.document
+        session = Session.of(document.model_copy(update={"views": left}))
+        estimate = session.rules.reconcile(session.views, session.excluded)
+        target = None
+        if with_target:
+            unreached = target_poses(document.unreached)
+            target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
+        judged = _judged_views(left, estimate)
+        return session_rules.with_views(document, judged, _estimate_document(estimate, self._now), target)
+
+    def finish(self) -> SessionDocument | None:
+        """End a recording; None if it has ended. Raises ConflictError or CalibrationError."""
+        if self.document.finish is not None:
+            return None
+        if self.document.rig is not None:
+            raise rig_rules.in_rig()
+        session_rules.require_finishable(self.document)
+        return self.finished()
+
+    def finished(self) -> SessionDocument:
+        """End a session with the views that agree; raises CalibrationError."""
+        ended = self._stop(self.document, "asked")
+        if ended.finish is None:
+            raise CalibrationError("no_fit", "no camera explains these views")
+        return ended
+
+    def _stop(self, document: SessionDocument, end: Literal["nothing_new", "asked"]) -> SessionDocument:
+        """End a session, if it has a fit, before it converges."""
+        session = self._session
+        estimate = session.estimate().with_cause(session.views)
+        estimate = replace(estimate, progress=1.0, end=end)
+        judged = _judged_views(document.views, estimate)
+        stopped = session_rules.with_estimate(document, judged, _estimate_document(estimate, self._now))
+        return self._end(stopped, estimate, session.views)
+
+    def _end(self, document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> SessionDocument:
+        """End a session with this estimate of its views, if that has a fit."""
+        from calibsolver.quality import report  # only an end needs it
+        from calibsolver.quality.rivals import with_rivals
+
+        if estimate.calibration is None:
+            return document
+        indices = [view.index for view in document.views if view.set_aside is None]
+        used = [one for i, one in enumerate(views) if i not in estimate.excluded]
+        judged = with_rivals(estimate.calibration, used)
+        fit = FitRecord.model_validate(record_covered(judged, Coverage.of(judged, used)))
+        ended = document.model_copy(update={"estimate": document.estimate.model_copy(update={"fit": fit})})
+        described = report.describe(judged, used, indices)
+        return session_result.with_finish(ended, self._now, self._who, FIT_VERSION, described, self._where)
 
 
 def judge_batch(
@@ -228,84 +289,12 @@ def judge_batch(
     return Batch(course.document, results, judgements)
 
 
-def without_view(document: SessionDocument, index: int, now: int) -> SessionDocument | None:
-    """Undo a view; None if it was undone before. Raises ConflictError or NotFoundError."""
-    if document.rig is not None:
-        raise rig_rules.in_rig()
-    left = session_rules.without_view(document, index)
-    return None if left is None else without_views(document, left, now)
-
-
-def finish(document: SessionDocument, now: int, who: str, where: str) -> SessionDocument | None:
-    """End a recording; None if it has ended. Raises ConflictError or CalibrationError."""
-    if document.finish is not None:
-        return None
-    if document.rig is not None:
-        raise rig_rules.in_rig()
-    session_rules.require_finishable(document)
-    return finished(document, now, who, where)
-
-
-def without_views(
-    document: SessionDocument, left: tuple[ViewDocument, ...], now: int, *, with_target: bool = True
-) -> SessionDocument:
-    """Session with the views that are left, fitted again, and another target."""
-    changed = document.model_copy(update={"views": left})
-    session = Session.of(changed)
-    estimate = session.rules.reconcile(session.views, session.excluded)
-    target = None
-    if with_target:
-        unreached = target_poses(document.unreached)
-        target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
-    judged = _judged_views(left, estimate)
-    return session_rules.with_views(document, judged, _estimate_document(estimate, now), target)
-
-
-def finished(document: SessionDocument, now: int, who: str, where: str | None) -> SessionDocument:
-    """End a session with the views that agree; raises CalibrationError."""
-    session = Session.of(document)
-    estimate = session.estimate().with_cause(session.views)
-    estimate = replace(estimate, progress=1.0, end="asked")
-    ended = _end(_with_estimate(document, estimate, now), estimate, session.views, now, who, where)
-    if ended is None:
-        raise CalibrationError("no_fit", "no camera explains these views")
-    return ended
-
-
 def open_target(document: SessionDocument, session: Session) -> TargetPose:
     """Session's open target, chosen now if there is none."""
     if document.target is None:
         return session.rules.next_target(session.views, session.estimate())
     target = TargetPose.from_dict(document.target)
     return session.rules.redraw(target, session.active, current_camera(document, session.rules))
-
-
-def _with_estimate(document: SessionDocument, estimate: Estimate, now: int) -> SessionDocument:
-    judged = _judged_views(document.views, estimate)
-    return session_rules.with_estimate(document, judged, _estimate_document(estimate, now))
-
-
-def _end(
-    document: SessionDocument,
-    estimate: Estimate,
-    views: Sequence[View],
-    now: int,
-    who: str,
-    where: str | None,
-) -> SessionDocument | None:
-    """End a session with this estimate of its views; None without a fit."""
-    from calibsolver.quality import report  # only an end needs it
-    from calibsolver.quality.rivals import with_rivals
-
-    if estimate.calibration is None:
-        return None
-    indices = [view.index for view in document.views if view.set_aside is None]
-    used = [one for i, one in enumerate(views) if i not in estimate.excluded]
-    judged = with_rivals(estimate.calibration, used)
-    fit = FitRecord.model_validate(record_covered(judged, Coverage.of(judged, used)))
-    ended = document.model_copy(update={"estimate": document.estimate.model_copy(update={"fit": fit})})
-    described = report.describe(judged, used, indices)
-    return session_result.with_finish(ended, now, who, FIT_VERSION, described, where)
 
 
 def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecision) -> SessionDocument | None:
