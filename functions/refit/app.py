@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from calibdb.compute.refits import Consensuses, alone, ensure_current, fitting_group, run_under_lease
+from calibdb.compute.refits import Consensuses, ModeRefit, fitting_group
 from calibdb.compute.values import time_limit
 from calibdb.http import metrics
 from calibdb.schema import DISTORTION_MODELS, RefitAnswer, RefitRequest
@@ -28,7 +28,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
         event = json.loads(record["body"])["requestPayload"]
     request = RefitRequest.model_validate(event)
     service = Service.of_process()
-    mode = StreamMode(request.camera, request.img_size, request.zoom)
+    refit = ModeRefit(service, StreamMode(request.camera, request.img_size, request.zoom), context)
     consensuses: Consensuses = {}
     fitting = None
     with time_limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
@@ -38,10 +38,11 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
             alias = Alias(request.alias.label, request.alias.platform)
             service.store.aliases.record(alias, request.camera, request.alias.source, service.now)
         elif request.queued:
-            run_under_lease(service, mode, context)
+            refit.under_lease()
         else:
             models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-            consensuses = ensure_current(service, mode, models, alone(service, mode, models, context))
+            consensuses = refit.for_caller(models)
             document = consensuses.get(models[0]) if request.seen and models else None
-            fitting = fitting_group(service, document, request.seen) if document and request.seen else None
+            if document and request.seen:
+                fitting = fitting_group(service.store, document, request.seen)
     return RefitAnswer.model_validate({"models": consensuses, "fitting": fitting}).model_dump(mode="json")
