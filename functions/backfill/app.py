@@ -23,7 +23,7 @@ def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
 
 
 def requests_of(calibrations: Calibrations, names: list[str]) -> tuple[RefitRequest, ...]:
-    """Requests for the modes of the calibrations with these objects' names."""
+    """Requests for the modes of calibrations, by names of objects."""
     modes = sorted(
         set(_modes(calibrations, names)), key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom)
     )

@@ -19,7 +19,7 @@ from calibdb.store.storage import storage_named
 
 
 def watch(site: str, token: str) -> tuple[CanaryRun, Exception | None]:
-    """Take the steps; return their outcome, and the error that ended them."""
+    """Take the steps; return their outcome, and the error if any."""
     start, at = time.monotonic(), int(time.time())
     step: CanaryStep = "lookup"
     failed: Exception | None = None

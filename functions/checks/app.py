@@ -53,7 +53,7 @@ def check(call: Call) -> Response:
 def vote(
     call: Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
-    """Count a check; False if its contributor has no vote, or for images of a calibration."""
+    """Count a check, unless its contributor has no vote, or for images of a calibration."""
     service = call.service
     thresholds = service.settings.thresholds
     where = service.source(call.address)

@@ -21,7 +21,7 @@ from calibdb.store.storage import storage_named
 
 @metrics.counting_denied_reads
 def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
-    """Write as many parts as the time allows; return the name of a complete dump."""
+    """Write parts while time is left; return the name of a complete dump."""
     region = os.environ["AWS_REGION"]
     storage = storage_named(
         region, os.environ["TABLE_NAME"], os.environ["BUCKET_NAME"], os.environ["WEB_BUCKET_NAME"]

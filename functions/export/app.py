@@ -23,7 +23,7 @@ _PAGE_HEADERS = {"Cache-Control": f"public, max-age=0, s-maxage={_PAGE_TTL_S}"}
 
 
 def show(call: Call) -> Response:
-    """Calibration in the requested format; what is computed counts as a view."""
+    """Calibration in the requested format; computing counts as a view."""
     token = call.api_token()
     asked = call.query(ExportQuery)
     if asked.without or not asked.plain:
@@ -72,7 +72,7 @@ def convert(call: Call) -> Response:
 
 
 def show_page(call: Call) -> Response:
-    """Page of results with the title of one; the edge has the page if this fails."""
+    """Page of results, with the title of one."""
     language = call.request.path_params.get("language", "")
     if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
         raise NotFoundError("The site has no such page.")

@@ -68,7 +68,7 @@ _checks_of = functools.lru_cache(maxsize=4)(Checks)
 
 
 def health(call: Call) -> Response:
-    """Report the state of the service; with `deep=1`, of its parts."""
+    """State of the service; with `deep=1`, of its parts."""
     if not call.flag("deep"):
         return json_response(Health())
     call.require_thread()

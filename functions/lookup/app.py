@@ -31,13 +31,13 @@ _UNKNOWN = {"Cache-Control": "public, max-age=60, s-maxage=60", "Access-Control-
 
 
 def ask(call: Call) -> Response:
-    """Answer a request in a body, in which the older public client also sends its token."""
+    """Answer a request in a body, in which an older client also sends its token."""
     call.api_token(call.json_text("api_key"))
     return _answer(call, call.json(LookupRequest))
 
 
 def visit(call: Call) -> Response:
-    """Answer a request in a query, with the token in `key` for navigations."""
+    """Answer a request in a query; `key` has the token of navigations."""
     query = call.request.query_params
     call.api_token(query.get("key") or query.get("api_key"))
     return _answer(call, call.query(LookupRequest))

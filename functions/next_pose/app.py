@@ -23,7 +23,7 @@ TYPES = (*FORMATS, "application/json")  # the first is the default
 
 
 def show(call: Call) -> Response:
-    """Answer with the open target pose; with `skip=1`, open one of another kind."""
+    """Show the open target pose; with `skip=1`, open another."""
     sid = call.session(charge="poses").sid
     media_type = call.negotiate_media_type(TYPES)
     skip = call.flag("skip")

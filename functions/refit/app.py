@@ -22,7 +22,7 @@ MIN_PUBLISHING_S = 8.0  # for storage and the answer
 
 @metrics.counting_denied_reads
 def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
-    """Compute, store and return the consensus of every requested model; null if nothing is known."""
+    """Compute, store and return the consensuses of the requested models."""
     if "Records" in event:  # from the dead-letter queue
         (record,) = event["Records"]
         event = json.loads(record["body"])["requestPayload"]

@@ -28,7 +28,7 @@ def create(call: Call) -> Response:
 
 
 def show(call: Call) -> Response:
-    """Answer with the state of the rig, or that it has not changed; `skip=1`: with another target."""
+    """Show the rig, unless it has not changed; `skip=1`: with another target."""
     rig_id, store = call.path("id"), call.store
     by_session = call.is_session()
     if call.flag("skip"):
@@ -48,7 +48,7 @@ def show(call: Call) -> Response:
 
 
 def open_moment(call: Call) -> Response:
-    """Open a moment, of which cameras may then send views."""
+    """Open a moment."""
     sid = call.session(charge="poses").sid
     moment, rig_id = call.json(MomentRequest).moment, call.path("id")
     running_rigs.open_moment(call.store, rig_id, sid, moment, call.now)
@@ -64,7 +64,7 @@ def undo_moment(call: Call) -> Response:
 
 
 def finish(call: Call) -> Response:
-    """End the rig with the moments that agree, and publish it and its cameras."""
+    """End the rig with the moments that agree."""
     sid = call.session(charge="views").sid
     rig_id = call.path("id")
     ended = rig_course.finish(call.with_time_for_a_rig(), rig_id, sid)
@@ -81,7 +81,7 @@ def forget(call: Call) -> Response:
 
 
 def result(call: Call) -> Response:
-    """Answer with the result of a finished rig, or with another tool's files of it."""
+    """Result of a finished rig, or another tool's files of it."""
     name = call.request.query_params.get("format", "json")
     ticket = call.session(charge="poses") if call.is_session() else None
     token = call.api_token() if ticket is None else call.service.token_of(ticket)

@@ -61,7 +61,7 @@ def _find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
 
 
 def _place(call: Call, sid: str, request: SessionRequest, wanted: RigJoin, who: str) -> RigMembership:
-    """Find or take the session's place in the rig that it wants; raises InvalidError, TooManyError."""
+    """Find or take the session's place in its rig; raises InvalidError, TooManyError."""
     store, now = call.store, call.now
     running = store.sessions.find(sid)
     if running is not None:
@@ -92,7 +92,7 @@ def _other_content() -> ConflictError:
 
 
 def show(call: Call) -> Response:
-    """Answer with the session's state."""
+    """Show the session."""
     document = call.store.sessions.get(call.session(charge="poses").sid)
     return json_response(state(document))
 

@@ -19,7 +19,7 @@ from calibdb.store import endings, running_rigs
 
 
 def submit(call: Call) -> Response:
-    """Judge a view; respond with its result and the session's state."""
+    """Judge a view."""
     ticket = call.session(charge="views")
     request = call.json(ViewRequest)
     service = call.service
@@ -42,7 +42,7 @@ def submit(call: Call) -> Response:
 
 
 def submit_batch(call: Call) -> Response:
-    """Judge several views of a recording; views for which no time is left have no result."""
+    """Judge several views of a recording, as many as the time allows."""
     sid = call.session(charge="views").sid
     request = call.json(BatchRequest, depth=2)
     service = call.service
@@ -68,7 +68,7 @@ def remove(call: Call) -> Response:
 
 
 def finish(call: Call) -> Response:
-    """End a session with the views that agree, however accurate they are."""
+    """End a session with the views that agree."""
     ticket = call.session(charge="views")
     service = call.service
     who, where = call.contributor(ticket)
@@ -81,7 +81,7 @@ def finish(call: Call) -> Response:
 
 
 def license_views(call: Call) -> Response:
-    """Add the contributor's licence to a session and to what it published."""
+    """Add a licence to a session and its calibration."""
     sid = call.session(charge="views").sid
     request = call.json(LicenceRequest)
     document = endings.license_session(call.store, sid, request, call.now)

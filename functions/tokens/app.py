@@ -58,7 +58,7 @@ def verify(call: Call) -> Response:
 
 
 def rotate(call: Call) -> Response:
-    """Give the token another secret; the previous one stays valid for a while."""
+    """Give the token another secret."""
     token, service = _living(call), call.service
     request = call.json(RotationRequest) if call.body else RotationRequest()
     secret = service.random_hex(managed_tokens.SECRET_BYTES)

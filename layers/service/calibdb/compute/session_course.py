@@ -101,7 +101,7 @@ class Judgement:
     """None of a view that was judged before."""
 
     def shown(self, before: SessionDocument) -> SessionDocument:
-        """Document that a response shows; only a refusal that ends the session changes it."""
+        """Document that a response shows; most refusals do not change it."""
         if self.document is None or (self.reason is not None and self.document.finish is None):
             return before
         return self.document

@@ -1,4 +1,4 @@
-"""Fields of view and focal lengths of a pinhole, and their logarithm.
+"""Fields of view and focal lengths of a pinhole.
 
 Zoom and crop add to the logarithm of the tangent of half the horizontal angle.
 """

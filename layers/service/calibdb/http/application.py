@@ -1,4 +1,4 @@
-"""HTTP application of a function: routes, each a plain function from `Call` to a Starlette response."""
+"""HTTP application of a function: routes from `Call` to a Starlette response."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ PREFLIGHT = {
 
 
 def with_default_headers(app: Starlette) -> Any:
-    """Respond to preflights, and add `nosniff`, rate limits, and `Cache-Control: no-store` by default.
+    """Respond to preflights, and add default headers and rate limits.
 
     An HTTP API passes preflights to the function, whose `ANY` route they match.
     """

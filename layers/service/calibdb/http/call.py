@@ -1,4 +1,4 @@
-"""Call of the API: credentials, body and parameters, read from the request."""
+"""Call of the API: credentials, body and parameters."""
 
 from __future__ import annotations
 
@@ -204,7 +204,7 @@ class Call:
         return ticket
 
     def is_session(self) -> bool:
-        """True if a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
+        """True if a session id was sent, not an API token; raises UnauthenticatedError."""
         return parse(self._bearer()) is None
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:

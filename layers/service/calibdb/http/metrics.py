@@ -55,7 +55,7 @@ def count(*, reason: str | None = None, **values: float) -> None:
 
 
 def counting_denied_reads(handler: InternalHandler) -> InternalHandler:
-    """Wrap the handler of an internal function, so that denied reads are counted."""
+    """Count denied reads of an internal function."""
 
     @functools.wraps(handler)
     def wrapped(event: dict[str, Any], context: Any) -> dict[str, Any]:

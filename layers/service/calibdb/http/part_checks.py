@@ -44,7 +44,7 @@ class Part:
 
 
 class PartChecks:
-    """Parts, checked stage by stage; those of one stage in parallel. Slow imports have their own stage."""
+    """Parts, checked stage by stage, and in parallel within a stage."""
 
     def __init__(self, stages: Sequence[Sequence[Part]], clock: Callable[[], float] = time.monotonic) -> None:
         self._stages = stages
@@ -115,6 +115,6 @@ def read_file(address: str, limit_s: float, max_bytes: int) -> bytes:
 
 
 def read_config(address: str, limit_s: float) -> None:
-    """Read the site's settings, as every page does first; raises OSError or ValueError."""
+    """Read the site's settings; raises OSError or ValueError."""
     if "api" not in json.loads(read_file(address, limit_s, _MAX_CONFIG_BYTES)):
         raise ValueError("/config.json has no settings")

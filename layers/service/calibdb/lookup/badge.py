@@ -1,4 +1,4 @@
-"""Badge of one camera at one size: a small SVG picture for a README, without script, style sheet or font."""
+"""Badge of one camera at one size: an SVG image without script, style sheet or font."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQR
 
 @dataclass(frozen=True)
 class Badge:
-    """Text of a badge: the camera on the left, what is known of it on the right."""
+    """Text of a badge, left and right."""
 
     camera: str
     state: str

@@ -1,4 +1,4 @@
-"""Match of a lookup: the camera, by USB id and name or only by the name, and its consensus for the request.
+"""Match of a lookup: the camera by USB id and name, or only by name, and its consensus.
 
 A name of many products, or of two well-known USB ids, finds no camera.
 """
@@ -60,7 +60,7 @@ class LookupQuery:
 
     @classmethod
     def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
-        """Parse the end of a path of known cameras; None unless it is the only address of its answer."""
+        """Parse the end of a path; None unless it is the only address of its answer."""
         model = file.removesuffix(".json")
         match = _PATH_SIZE.fullmatch(size)
         if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
@@ -73,7 +73,7 @@ class LookupQuery:
 
 @dataclass(frozen=True)
 class Choice:
-    """Selected consensus, or a size at which the model is yet to be computed, or the reason for a miss."""
+    """Selected consensus, a size at which to compute the model, or the reason for a miss."""
 
     found: ConsensusDocument | None = None
     missing_at: tuple[int, int] | None = None
@@ -82,7 +82,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class CameraMatch:
-    """Key of a camera, all that is known under it, and the choice for the request."""
+    """Key of a camera, its consensuses, and the choice for the request."""
 
     key: str
     known: Sequence[ConsensusDocument]
@@ -171,7 +171,7 @@ class _Search:
 
 
 def _best_supported(search: _Search) -> CameraMatch:
-    """Match the only well-known USB id of a bare name if more contributors calibrated it, else the name."""
+    """Match the only well-known USB id of a name if more contributors calibrated it."""
     if len(search.known.well_known) != 1:
         return search.own
     key = search.known.well_known[0]
@@ -180,7 +180,7 @@ def _best_supported(search: _Search) -> CameraMatch:
 
 
 def _only_usb_id(search: _Search) -> CameraMatch:
-    """Match the one USB id that is known under a bare name."""
+    """Match the only USB id of a bare name."""
     candidates = search.known.same_as if search.private else search.known.candidates
     if len(candidates) > 1:
         return replace(search.own, several=True)
@@ -191,7 +191,7 @@ def _only_usb_id(search: _Search) -> CameraMatch:
 
 
 def _name_of_unknown_id(search: _Search) -> CameraMatch:
-    """Match the name of a USB id of which nothing is known, unless the name belongs to another id."""
+    """Match the name of an unknown USB id, unless it belongs to another id."""
     if search.known.consensuses:
         return search.own
     key = search.identity.name_key
@@ -212,7 +212,7 @@ def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) 
 
 @dataclass(frozen=True)
 class LookupResult:
-    """Answer of a lookup, or the reason why there is none, by name and as a sentence."""
+    """Answer of a lookup, or the reason for a miss, by name and as a sentence."""
 
     key: str
     """Key of the camera with the result; empty if the camera is unknown."""
@@ -255,7 +255,7 @@ def find(
 def find_by_digest(
     store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
 ) -> LookupResult | None:
-    """Result of a lookup by the digest of label and platform; None if it is not a known alias."""
+    """Result of a lookup by an alias's digest; None if it is unknown."""
     alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
     if wanted is None or alias is None:
         return None

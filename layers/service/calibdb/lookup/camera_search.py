@@ -1,4 +1,4 @@
-"""Camera search: words compared with labels, and a camera's consensuses grouped by size and zoom."""
+"""Search of cameras by words, and their consensuses by size and zoom."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def group_by_mode(
 def best_modes(
     consensuses: Sequence[ConsensusDocument], limit: int
 ) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
-    """At most `limit` groups of `group_by_mode`: the reliable, then the most calibrated."""
+    """At most `limit` groups: the reliable, then the most calibrated."""
     groups = list(group_by_mode(consensuses))
     weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in groups]
     ranked = sorted(range(len(groups)), key=lambda i: weights[i], reverse=True)

@@ -1,4 +1,4 @@
-"""Estimate for a lookup that misses: stored data of the camera, as evidence besides published facts."""
+"""Estimate for a lookup that misses, by stored data and published facts."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _log_tan(calibration: Calibration) -> float:
 
 
 def _edge_angle(calibration: Calibration, target: float, *, along_x: bool) -> float:
-    """Angle off the axis, rad, of the ray that reaches `target` on the plane of unit focal length."""
+    """Angle off the axis, rad, of the ray to `target` on the plane of unit focal length."""
     low, high = 0.0, math.radians(85)
     phi = 0.0 if along_x else math.pi / 2
     for _ in range(40):

@@ -93,7 +93,7 @@ def _first_root(coefficients: Sequence[float], limit: float) -> float:
 
 
 def _roots(coefficients: Sequence[float], limit: float) -> list[float]:
-    """Roots in (0, limit) at which a polynomial changes its sign, between those of its derivative."""
+    """Roots in (0, limit) at which a polynomial changes its sign."""
     degree = max((i for i, c in enumerate(coefficients) if c != 0), default=0)
     if degree < 1:
         return []
