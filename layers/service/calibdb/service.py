@@ -42,8 +42,7 @@ from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
 from calibdb.store.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 
-WRITE_INTERVAL_S = 1.0
-"""Time after which a server writes what no response waits for."""
+WRITE_INTERVAL_S = 1.0  # of what no response waits for, in a server
 
 _log = logging.getLogger(__name__)
 

@@ -20,11 +20,9 @@ class Thresholds:
     min_share: float = 0.6  # of all calibrations, in this group
     max_unexplained: float = 0.004  # as of `calibsolver.consensus.Rule`
     max_calibrations: int = 200  # the newest, which are pooled
-    contributor_period: int = (
-        86_400  # s in which a contributor counts once for a camera; 0: all are one, and count
-    )
+    contributor_period: int = 86_400  # s in which contributors count once for a camera; 0: all are one
     min_votes: int = 3  # of checks that confirm a consensus of fewer calibrations, or withdraw any
-    min_doubt: float = 0.3333  # share of a consensus's contributors that must doubt it before it is withdrawn
+    min_doubt: float = 0.3333  # share of a consensus's contributors that withdraws it
     max_check_ratio: float = 2.0  # error on fresh views / expected error, up to which a consensus fits
 
     @classmethod

@@ -36,8 +36,7 @@ _DETAILS: dict[int, str] = {
     HTTPStatus.METHOD_NOT_ALLOWED: "This path allows {Allow}.",
 }
 
-IN_THREAD = "calibdb.in_thread"
-"""Key in a request's scope of an `InThread`, if a server serves several requests at a time."""
+IN_THREAD = "calibdb.in_thread"  # in a request's scope: an `InThread`, in a server
 InThread = Callable[[Callable[[], Response]], Awaitable[Response]]
 Endpoint = Callable[[Call], Response]
 

@@ -38,13 +38,12 @@ from calibdb.store import Store
 
 MAX_BODY_BYTES = 1_000_000  # ten times a view of the largest board
 
+# Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
+# elsewhere. Real cameras need less.
 MAX_COMPUTE_S = 2.8
-"""Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
-elsewhere. Computations for real cameras need less."""
-MAX_RIG_COMPUTE_S = 5.2  # of a request about a rig of up to eight cameras
+MAX_RIG_COMPUTE_S = 5.2  # of a request about a rig
 _MIN_REMAINING_S = 1.5  # for storage and the answer
-RATE_LIMITS = "calibdb.rate_limits"
-"""Key in a request's scope of the headers that report what is left of the plan."""
+RATE_LIMITS = "calibdb.rate_limits"  # in a request's scope: headers about the plan
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 _WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")

@@ -18,8 +18,7 @@ from typing import Any
 
 from calibdb.schema.health import PartHealth, PartName
 
-CHECKS_TTL_S = 10.0
-"""Lifetime of a result, in each instance of the function and at the edge."""
+CHECKS_TTL_S = 10.0  # in each instance of the function and at the edge
 
 _MAX_CONFIG_BYTES = 10_000
 

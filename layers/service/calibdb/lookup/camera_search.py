@@ -18,8 +18,7 @@ SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
 _MAX_MEMBERS = 200
 _MIN_LISTED_CONTRIBUTORS = 2
-AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
-"""Place in the list of all cameras after the simulated ones."""
+AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"  # in the list of all cameras
 
 
 def query_words(query: str) -> list[str]:

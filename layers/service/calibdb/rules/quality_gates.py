@@ -7,16 +7,11 @@ from __future__ import annotations
 
 from calibdb.schema import Calibration, CalibrationDocument, Uncertainty
 
-TARGET_ERROR_PER_WIDTH = 0.3 / 1280
-"""Predicted rms over the image: the default of a session."""
-MAX_EVIDENCE_PER_WIDTH = 3 / 1280
-"""Stated error up to which a calibration is evidence. Weights do the rest: a vague one hardly counts."""
-MAX_OWN_ERROR_PER_WIDTH = 3 / 1280
-"""Reprojection error, rms, up to which a calibration fits its own views."""
-MAX_CONFIRMABLE_PER_WIDTH = 1.5 / 1280
-"""Stated error of a consensus that checks may confirm: as of a reliable one."""
-MAX_NOISE_PER_WIDTH = 1e-3
-"""Reprojection error, rms, up to which checks may confirm a consensus."""
+TARGET_ERROR_PER_WIDTH = 0.3 / 1280  # predicted rms over the image: the default of a session
+MAX_EVIDENCE_PER_WIDTH = 3 / 1280  # stated error of evidence; vague calibrations have little weight
+MAX_OWN_ERROR_PER_WIDTH = 3 / 1280  # reprojection error, rms, of a calibration that fits its own views
+MAX_CONFIRMABLE_PER_WIDTH = 1.5 / 1280  # stated error of a consensus that checks may confirm
+MAX_NOISE_PER_WIDTH = 1e-3  # reprojection error, rms, of a consensus that checks may confirm
 
 
 def is_evidence(document: CalibrationDocument) -> bool:

@@ -16,12 +16,9 @@ from calibdb.schema import (
 from calibdb.schema.rig import Extrinsics, MomentPose, Motion, RigVerdict, RigVerdictReason
 from calibdb.schema.rig_documents import EndingDocument, RigFit
 
-MAX_FAIR_RATIO = 3.0
-"""Predicted error of the rig / the one aimed at, up to which the rig is fair."""
-MAX_HELD_OUT_RATIO = 2.0
-"""Error of moments left out of the fit / that of the moments in it, up to which the rig is good."""
-MAX_SET_ASIDE_SHARE = 0.25
-"""Views set aside / all views, up to which the rig is good."""
+MAX_FAIR_RATIO = 3.0  # predicted error / target error of a fair rig
+MAX_HELD_OUT_RATIO = 2.0  # error of moments outside the fit / inside it, of a good rig
+MAX_SET_ASIDE_SHARE = 0.25  # of the views of a good rig
 
 
 def require_finishable(rig: Rig, estimate: RigEstimateDocument) -> RigFit:

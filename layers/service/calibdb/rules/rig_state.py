@@ -23,13 +23,10 @@ from calibdb.schema.rig import (
 )
 from calibdb.schema.rig_documents import RigFit, SkipsDocument
 
-INITIAL_ERROR_PER_WIDTH = 0.03
-"""Predicted error, px / image width, from which progress is measured."""
-LINKED_SHARE = 0.3
-"""Progress when all cameras are linked."""
-Moments = list[tuple[str, dict[int, ViewDocument]]]
-"""Ids of moments, each with the views of it by position."""
+INITIAL_ERROR_PER_WIDTH = 0.03  # predicted error, px / image width, from which progress is measured
+LINKED_SHARE = 0.3  # progress when all cameras are linked
 MAX_UNFINISHED_PROGRESS = 0.95
+Moments = list[tuple[str, dict[int, ViewDocument]]]  # ids, and views by position
 _REASONS: Mapping[str, SetAsideReason] = {
     "outlier": "outlier",
     "disagrees": "contradicts",
