@@ -1,7 +1,4 @@
-"""Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome.
-
-Its session is deleted.
-"""
+"""Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome."""
 
 from __future__ import annotations
 

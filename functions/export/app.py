@@ -55,7 +55,7 @@ def _compute(call: Call, document: CalibrationDocument | None, asked: ExportQuer
             known = known.model_copy(update={"id": None})
         if asked.plain:
             return json_response(known, headers=_AS_IT_IS)
-        return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)
+        return exports.file_response(exports.to_file(known, document, asked))
 
 
 def convert(call: Call) -> Response:
@@ -68,7 +68,7 @@ def convert(call: Call) -> Response:
 
     slow = "takes longer to convert than a request may; ask for another format"
     with in_time(call, InvalidError.field("format", slow)):
-        return exports.file_response(exports.convert_file(asked), with_coverage=True)
+        return exports.file_response(exports.convert_file(asked))
 
 
 def show_page(call: Call) -> Response:

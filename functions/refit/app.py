@@ -1,7 +1,7 @@
 """Refit: the consensus of the calibrations of one camera, at one size and zoom. Internal.
 
-It is idempotent, and safe late or concurrently: a result is written only over one made from less. A request
-from the queue takes the single-flight lease; if another has it, the holder repeats its work.
+It is idempotent, and safe late or concurrently: a result is written only over one made from less. If another
+request from the queue has the single-flight lease, its holder repeats the work.
 """
 
 from __future__ import annotations

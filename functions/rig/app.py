@@ -10,7 +10,7 @@ from starlette.responses import Response
 from calibdb.compute import exports, rig_course
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application, metrics
-from calibdb.http.application import Call, json_response, no_content, route
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules
 from calibdb.schema import MomentRequest, RigRequest
 from calibdb.schema.rig import RIG_FORMATS
@@ -77,7 +77,7 @@ def forget(call: Call) -> Response:
     """Forget a running rig, and the sessions of its cameras."""
     sid = call.session(charge="poses").sid
     running_rigs.forget(call.store, call.path("id"), sid, call.now)
-    return no_content()
+    return Response(status_code=204)
 
 
 def result(call: Call) -> Response:
@@ -93,7 +93,8 @@ def result(call: Call) -> Response:
     if name == "json":
         return json_response(state.result)
     call.service.charge(token, "views", call.address)
-    return exports.file_response(exports.rig_file(call.with_time_for_a_rig(), state.result, name))
+    file = exports.rig_file(call.with_time_for_a_rig(), state.result, name)
+    return exports.file_response(file, with_coverage=False)
 
 
 def _state_response(call: Call, rig_id: str, status: int = 200) -> Response:

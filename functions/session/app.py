@@ -11,7 +11,7 @@ from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.estimate.estimator import EstimateQuery, starting_camera
 from calibdb.http import application, metrics
-from calibdb.http.application import Call, json_response, no_content, route
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.session_result import state
 from calibdb.rules.session_rules import find_seed as find_reliable_seed
@@ -101,7 +101,7 @@ def forget(call: Call) -> Response:
     """Forget the session's views; what it published stays."""
     if not call.store.sessions.forget(call.session(charge="poses").sid, call.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
-    return no_content()
+    return Response(status_code=204)
 
 
 handler = application.handler(route("/v1/session", POST=start, GET=show, DELETE=forget))

@@ -11,7 +11,7 @@ from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS
 from calibdb.access.token_facts import facts, hourly_limits, use_summary
 from calibdb.access.tokens import ApiToken
 from calibdb.http import application
-from calibdb.http.application import Call, json_response, no_content, route
+from calibdb.http.application import Call, json_response, route
 from calibdb.schema import (
     ManagedToken,
     RotationRequest,
@@ -72,7 +72,7 @@ def rotate(call: Call) -> Response:
 def revoke(call: Call) -> Response:
     """Revoke the token for good; idempotent."""
     call.store.tokens.revoke(call.managed_token(), call.now)
-    return no_content()
+    return Response(status_code=204)
 
 
 def usage(call: Call) -> Response:

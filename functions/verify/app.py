@@ -1,6 +1,6 @@
 """Verify: looks for the proof of an origin and stores that it was found. Only `tokens` invokes it.
 
-Only it connects to a host that a user names. So its role may only write that note, and it has no secret.
+Only this function connects to a host that a user names. So its role may only write that note.
 """
 
 from __future__ import annotations

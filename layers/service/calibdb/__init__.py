@@ -1,7 +1,4 @@
-"""Shared code of all functions.
-
-Only `calibdb.compute` imports the solver.
-"""
+"""Shared code of all functions."""
 
 #: version of the whole project, and its only place
 __version__ = "0.1.0"

@@ -20,7 +20,7 @@ class FieldError:
 
 
 class CalibdbError(Exception):
-    """Base of all errors that a caller receives: status, problem type and title by class, detail by instance.
+    """Base of all errors that a caller receives.
 
     `detail` contains nothing that the caller sent, except names of fields. `kind` is the last part of the
     problem's type if one class stands for several, `extensions` are members of the document (RFC 9457, 3.2).

@@ -26,7 +26,6 @@ MAX_PROOF_BYTES = 1024
 _MAX_ANSWER_BYTES = 16_384  # with its headers
 _MAX_ADDRESSES = 2
 _HTTPS_PORT = 443
-_AGENT = "calibDB origin verification"
 
 # IANA IPv4 and IPv6 Special-Purpose Address Registries (RFC 6890). Python's `ipaddress` differs by version.
 _SPECIAL_IPV4 = [
@@ -173,7 +172,7 @@ def _request(host: str) -> bytes:
     lines = (
         f"GET {PROOF_PATH} HTTP/1.1",
         f"Host: {host}",
-        f"User-Agent: {_AGENT}",
+        "User-Agent: calibDB origin verification",
         "Accept: text/plain, */*",
         "Accept-Encoding: identity",
         "Connection: close",
@@ -197,7 +196,7 @@ def _receive(secured: ssl.SSLSocket, deadline: float) -> bytes:
 
 
 class _ReceivedBytes:
-    """Answer that was read, as `http.client` wants a socket."""
+    """Response in place of the socket of `http.client`."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content

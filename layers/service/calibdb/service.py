@@ -175,8 +175,7 @@ class Service:
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
         """Token that `text` is; raises ForbiddenError.
 
-        A token is cached for half a minute. Its first use is written, in a server later; else `before_write`
-        is called before.
+        Its first use is written, in a server later; else after `before_write`.
         """
         token_id, secret = parse(text) or ("", "")
 

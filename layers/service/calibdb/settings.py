@@ -67,12 +67,12 @@ class Settings:
     thresholds: Thresholds
     refit_function: str | None  # of submit, lookup, checks
     region: str
-    edge_secrets: tuple[str, ...] = ()  # our CloudFront sends one of them; other proxies are not trusted
+    edge_secrets: tuple[str, ...] = ()  # our CloudFront sends one of them
     verify_function: str | None = None  # of `tokens`
     max_new_tokens: int = 5  # per day and source
     processor_factor: float = 1.0  # processor time of a computation here / where its limits were set
     plan_factors: tuple[tuple[str, int], ...] = ()  # multiples of what all users of a token share, by plan
-    web_bucket: str | None = None  # of the public dumps: `dump` and operators
+    web_bucket: str | None = None  # of the public dumps
 
     @property
     def site_origin(self) -> str:

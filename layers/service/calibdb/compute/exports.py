@@ -101,7 +101,7 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
         return formats.write(source, request.format)
 
 
-def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
+def file_response(file: ExportedFile, *, with_coverage: bool = True) -> Response:
     """Response of a file, with its deviation from the camera."""
     headers = {
         "Content-Disposition": f'attachment; filename="{file.filename}"',

@@ -48,10 +48,7 @@ class DrawnTarget:
 
     @classmethod
     def of_rig(cls, document: SessionDocument, target: RigTarget, fit: FitRecord | None) -> DrawnTarget:
-        """Draw the target of the session's rig; raises ConflictError if it is for other cameras.
-
-        `fit`: of the camera in the rig, if any.
-        """
+        """Draw the target of the session's rig; raises ConflictError if it is for other cameras."""
         position = None if document.rig is None else document.rig.position
         view = next((one for one in target.cameras if one.position == position), None)
         if view is None:

@@ -1,4 +1,1 @@
-"""Estimate of a field of view by all evidence about a camera without reliable calibration.
-
-`docs/estimates.md` measures how often the intervals hold.
-"""
+"""Estimate of a field of view by all evidence about a camera without reliable calibration."""

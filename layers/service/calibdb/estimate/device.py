@@ -15,8 +15,9 @@ _ACTION = frozenset(
 )
 _DRONES = frozenset({"mavic", "phantom", "inspire", "skydio", "anafi", "dji"})
 _BUILT_IN = frozenset({
-    "integrated", "integrierte", "intégrée", "integrata", "integrada", "built", "internal", "laptop", "notebook",
-    "facetime", "macbook", "imac", "truevision", "easycamera", "bisoncam", "surface", "crystal", "isight",
+    "integrated", "integrierte", "intégrée", "integrata", "integrada", "built", "internal", "laptop",
+    "notebook", "facetime", "macbook", "imac", "truevision", "easycamera", "bisoncam", "surface",
+    "crystal", "isight",
 })  # fmt: skip
 _PHONES = re.compile(r"\b(?:iphone|ipod|pixel|galaxy|redmi|poco|oneplus|xperia|huawei|sm-[a-z0-9]+)\b")
 _TABLETS = re.compile(r"\b(?:ipad|tab|tablet)\b")

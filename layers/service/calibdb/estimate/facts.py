@@ -1,6 +1,6 @@
 """Published facts about cameras: one table, each row with its source and licence.
 
-A row is a field of view or a focal length of one model, at one size or aspect and in one mode. The columns:
+A row is of one model, at one size or aspect and in one mode. The columns:
 
 * `kind`, `camera`: as of `calibdb.estimate.device.Device`.
 * `words`: words of its label, lower case; alternatives separated by `;`. Empty: a sample of its kind only.

@@ -56,11 +56,6 @@ def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, st
     return Response(content, 200, headers, "application/json")
 
 
-def no_content() -> Response:
-    """Response without a body."""
-    return Response(status_code=204)
-
-
 def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
     """Route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
 

@@ -122,10 +122,9 @@ class Call:
         return self.service.settings.processor_factor
 
     def json(self, model: type[Model], depth: int | None = None) -> Model:
-        """Body as `model`.
+        """Body as `model`; raises TooLargeError, MalformedError or InvalidError.
 
-        Raises TooLargeError, MalformedError, or InvalidError of all fields, or of the first of those whose
-        paths begin with the same `depth` members.
+        `depth`: members of fields' paths; only the first error is named of those that have the same.
         """
         self._require_small_body()
         try:
@@ -251,8 +250,8 @@ class Call:
     def address(self) -> str:
         """Source address, only ever used inside a keyed hash.
 
-        Our CloudFront is recognised by a secret, since anyone can write X-Forwarded-For. It appended the
-        caller's address, then the gateway CloudFront's.
+        Our CloudFront, recognised by a secret, appends the caller's to X-Forwarded-For, the gateway
+        CloudFront's.
         """
         shown = self.request.headers.get("x-calibdb-edge", "").encode()
         secrets = self.service.settings.edge_secrets

@@ -1,7 +1,7 @@
 """Transfer of a calibration to the size or zoom of a lookup, by verified relations only.
 
-A camera makes its smaller pictures by scaling the larger, by cutting out of it, or by both. So a relation is
-*verified*: the lens must draw the same picture in both, over all of the part that both show.
+A camera scales or crops its smaller pictures, or both. A relation is verified if the lens draws the same
+picture in both, over all of the part that both show.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Well-known USB ids: those that are calibrated well enough to identify the camera of a name.
+"""Well-known USB ids, which identify the camera of a name.
 
 Anyone can invent a USB id. So an id counts under its name only once it has a reliable consensus, or one of as
 many contributors as a reliable one needs.

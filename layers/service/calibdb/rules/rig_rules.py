@@ -250,7 +250,7 @@ def ending_of(ended: SessionDocument) -> EndingDocument:
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
     """End a session as its rig ended, without views that came too late.
 
-    None if it has ended, or was restarted: it is another capture.
+    None if it has ended, or was restarted.
     """
     if session.finish is not None or session_result.calibration_id(session) != ending.finish.calibration_id:
         return None

@@ -113,8 +113,7 @@ def validate_batch(
 ) -> list[ViewDocument | None]:
     """Validate a batch as `validate_view` does; for each view, find the one that an earlier request added.
 
-    InvalidError has the first error of each bad view. Also raises ConflictError if the session is not
-    recorded or has converged, or the index is not open.
+    InvalidError has the first error of each bad view. Also raises ConflictError.
     """
     if document.capture != "recorded" or document.rig is not None:
         raise ConflictError(

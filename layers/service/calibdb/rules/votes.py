@@ -5,7 +5,6 @@ against it withdraw it until new calibrations agree with it: from the newest cal
 for it, and a third of the contributors to it. Votes can withhold an answer, but never make a wrong one:
 
 * contributors of a calibration of this camera do not vote, nor do images of a calibration;
-* contributors are counted by where they are, and by one family of addresses (`count_lines`);
 * a consensus is measured by the checker's own data, since its makers choose the noise behind it.
 """
 
@@ -51,8 +50,7 @@ class Finding:
 def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
     """True if a consensus explains views that have this error, px rms, under it; only poses are fitted.
 
-    `noise`: px rms of the same views under a camera fitted to them. `ratio`: the largest error / noise that
-    fits.
+    `noise`: px rms of the same views under a camera fitted to them.
     """
     return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS_WIDTHS * width))
 
@@ -125,8 +123,7 @@ def decide_reliability(
 ) -> tuple[Reason | None, Basis | None]:
     """Decide why a consensus is not reliable, or on what basis it is.
 
-    `found`: reason by its calibrations. `confirmable`: only more calibrations like these are missing.
-    `contributors`: of the agreeing group.
+    `found`: reason by its calibrations. `confirmable`: True if only more of these are missing.
     """
     doubts = max(thresholds.min_votes, math.ceil(thresholds.min_doubt * contributors))
     if votes.disagree >= doubts and votes.disagree >= votes.agree:
