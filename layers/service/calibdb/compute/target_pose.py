@@ -75,7 +75,7 @@ def not_in_view() -> ConflictError:
 
 
 def with_chosen_target(document: SessionDocument) -> SessionDocument:
-    """Open the target that helps most, except unwanted ones."""
+    """Open the best target, except unwanted ones."""
     session = Session.of(document)
     skipped, unreached = map(target_poses, (document.skipped, document.unreached))
     target = session.rules.next_target(session.views, session.estimate(), skipped, unreached)

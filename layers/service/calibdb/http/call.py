@@ -124,7 +124,7 @@ class Call:
     def json(self, model: type[Model], depth: int | None = None) -> Model:
         """Body as `model`; raises TooLargeError, MalformedError or InvalidError.
 
-        `depth`: members of fields' paths; only the first error is named of those that have the same.
+        Of the errors whose paths begin with the same `depth` members, only the first is named.
         """
         self._require_small_body()
         try:

@@ -58,7 +58,7 @@ def code_of(random: str) -> str:
 
 
 def code_digest(secret: str, code: str) -> str:
-    """Keyed hash of a code; case, spaces and hyphens do not matter."""
+    """Keyed hash of a code, regardless of case, spaces and hyphens."""
     text = "".join(c for c in code.upper() if c not in " -")
     return hmac.new(secret.encode(), f"rig code\n{text}".encode(), hashlib.sha256).hexdigest()
 
@@ -202,7 +202,7 @@ def _moment(document: RigDocument, moment: str | None) -> MomentDocument | None:
 
 
 def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -> RigDocument:
-    """Note that the target after the views of digest `basis` is not wanted."""
+    """Note that the target after the views `basis` is not wanted."""
     skips = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
     poses = skips.poses if pose is None else (*skips.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
     changed = skips.model_copy(update={"poses": poses, "missed": skips.missed + (pose is None)})

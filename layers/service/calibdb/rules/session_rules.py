@@ -301,7 +301,6 @@ def require_corners(board: Board, img_size: tuple[int, int], views: Sequence[Obs
 def _corner_errors(
     board: Board, img_size: tuple[int, int], view: ViewDocument | ObservedCorners, prefix: str = ""
 ) -> list[FieldError]:
-    """Errors of the fields, whose paths begin with `prefix`."""
     corners = board.corner_count
     width, height = img_size
     wrong = [

@@ -1,8 +1,6 @@
 """The rules of a capture on its document alone."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from calibdb.errors import ConflictError, InvalidError
 from calibdb.rules import session_result, session_rules
@@ -87,18 +85,6 @@ def test_the_calibrations_id_follows_from_the_session() -> None:
     assert identify(session_rules.begin(REQUEST, SID, 5, NOW), NOW) != identify(DOCUMENT, NOW)
     with pytest.raises(ValueError, match="converged"):
         session_result.to_calibration(DOCUMENT)
-
-
-COORDINATE = st.floats(-1, 16384)
-
-
-@given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=20))
-def test_stored_view_equals_the_request(points: list[tuple[float, float]]) -> None:
-    sent = view(0, tuple(points))
-    document = session_rules.with_view(DOCUMENT, (sent,), EstimateDocument(), None)
-    read = SessionDocument.model_validate_json(document.model_dump_json())
-    assert read == document
-    assert session_rules.is_idempotent_replay(read, sent)
 
 
 def test_bound_of_points_is_the_solvers() -> None:
