@@ -69,10 +69,11 @@ class Service:
         The environment is read once, secrets again every five minutes.
         """
         global _settings, _settings_until
-        if _settings is None or time.monotonic() >= _settings_until:
+        settings = _settings
+        if settings is None or time.monotonic() >= _settings_until:
             variables, _settings_until = with_secrets(os.environ)
-            _settings = Settings.from_environment(variables)
-        return _maker(_settings)
+            settings = _settings = Settings.from_environment(variables)
+        return _maker(settings)
 
     @classmethod
     @contextmanager

@@ -81,10 +81,7 @@ def _history(document: SessionDocument) -> History:
 
 @contextmanager
 def computing_views(call: Call) -> Iterator[None]:
-    """Compute in the time of the call.
-
-    Raises ConflictError, UnavailableError, or InvalidError for a degenerate view.
-    """
+    """Limit the time; raises ConflictError, UnavailableError, or InvalidError for a degenerate view."""
     slow = "These corners take longer to compute than a request may; send fewer of them in each view."
     with naming("points"), in_time(call, ConflictError(slow, kind="too-slow")):
         yield

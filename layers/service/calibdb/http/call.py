@@ -250,8 +250,7 @@ class Call:
     def address(self) -> str:
         """Source address, only ever used inside a keyed hash.
 
-        Our CloudFront, recognised by a secret, appends the caller's to X-Forwarded-For, the gateway
-        CloudFront's.
+        Our CloudFront, recognised by a secret, appends it to X-Forwarded-For, then the gateway CloudFront's.
         """
         shown = self.request.headers.get("x-calibdb-edge", "").encode()
         secrets = self.service.settings.edge_secrets

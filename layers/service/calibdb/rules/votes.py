@@ -1,8 +1,8 @@
 """Votes on a consensus by checks on fresh views: when views fit, who has a vote, and what votes decide.
 
-Three votes for a consensus confirm it although it has fewer calibrations than the rule asks for. Three votes
-against it withdraw it until new calibrations agree with it: from the newest calibration on, as many as those
-for it, and a third of the contributors to it. Votes can withhold an answer, but never make a wrong one:
+Three votes for a consensus confirm it although it has few calibrations. Three votes against it since its
+newest calibration withdraw it until new calibrations agree with it, if they are as many as those for it and a
+third of its contributors. Votes can withhold an answer, but never make a wrong one:
 
 * contributors of a calibration of this camera do not vote, nor do images of a calibration;
 * a consensus is measured by the checker's own data, since its makers choose the noise behind it.
@@ -25,7 +25,7 @@ from calibdb.settings import Thresholds
 
 _NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width
 _MAX_EXCESS_WIDTHS = 5e-4  # beyond the noise, that no ratio excuses
-_SPECIMEN_SPREAD_WIDTHS = 4e-3  # rms over the image
+_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of one product, rms over the image
 _MAX_SIGMAS = 3.0
 _MAX_INFORMATIVE_WIDTHS = 2e-3  # predicted error of a camera
 
