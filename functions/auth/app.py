@@ -1,18 +1,19 @@
-"""Auth: exchanges an API token for the signed, short-lived id of one guided capture."""
+"""Auth: exchanges an API token for the signed id of one guided capture."""
 
 from __future__ import annotations
 
 from starlette.responses import Response
 
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.schema import SessionOpened
 
 
-def open_session(call: application.Call) -> Response:
-    """Answer with a session id. Only that one more was opened is written: the id carries the rest."""
+def open_session(call: Call) -> Response:
+    """Issue a session id; only a count is stored."""
     token = call.api_token(charge="sessions")
     session_id, expires_at = call.service.session_ids.issue(call.service.ticket(token, call.origin))
-    return application.json_response(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
+    return json_response(SessionOpened(session_id=session_id, expires_at=expires_at), 201)
 
 
-handler = application.handler(application.route("/v1/auth", POST=open_session))
+handler = application.handler(route("/v1/auth", POST=open_session))

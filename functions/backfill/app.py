@@ -1,10 +1,4 @@
-"""Consensuses that rest on a batch of calibrations. Internal: the first step of every batch of a backfill.
-
-The state machine lists the bucket and passes the names, a thousand at a time; the names of one camera's
-calibrations are adjacent. The response is a list of requests for `refit`, one for each camera, size and zoom,
-which the state machine then makes. A camera on the border of two batches is requested twice; the second time
-there is nothing to compute.
-"""
+"""Requests to `refit` the consensuses of a batch of calibrations. Internal: a step of a state machine."""
 
 from __future__ import annotations
 
@@ -29,20 +23,18 @@ def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
 
 
 def requests_of(calibrations: Calibrations, names: list[str]) -> tuple[RefitRequest, ...]:
-    """List the requests for the modes of the calibrations with these objects' names, in order."""
-    stored_modes = sorted(
-        set(modes(calibrations, names)),
-        key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom),
+    """Requests for the modes of calibrations, by names of objects."""
+    modes = sorted(
+        set(_modes(calibrations, names)), key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom)
     )
-    return tuple(RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in stored_modes)
+    return tuple(RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in modes)
 
 
-def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
-    """Yield the modes of the calibrations with these objects' names; other names are passed over."""
+def _modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
     places = [place for name in names if (place := parse_calibration_object(name))]
     for camera_key in {key for key, _ in places if key.startswith(f"{VERSION}-")}:
         yield from calibrations.modes(camera_key)
-    # Only the documents say under which key these are found today.
+    # Only the documents of earlier keys contain the current one.
     earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
     listed = [document for name in earlier if (document := calibrations.get(name)) is not None]
     for document in map(with_current_key, listed):

@@ -1,4 +1,4 @@
-"""Cameras: a search by words, all that is known of one camera, and a badge of it."""
+"""Cameras: a search by words, all that is known of one camera, and its badge."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from calibdb.camera_key.usb_vendors import vendor_of
 from calibdb.camera_key.virtual import is_practice
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.lookup import camera_search
 from calibdb.lookup.badge import NOT_CALIBRATED, badge_of, parse_size, svg
 from calibdb.schema.cameras import CameraDetail, CameraList, CamerasRequest
 from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
-_MAX_MODES = 60  # sizes and zooms of a camera that are shown; anyone can add one
-_READERS = 8  # cameras, or modes of one, read at a time
+_MAX_MODES = 60  # shown of a camera
+_READERS = 8
 _BADGE_HEADERS = {
     "Cache-Control": "public, max-age=300",
     "Content-Security-Policy": "default-src 'none'",
@@ -27,8 +28,8 @@ _BADGE_HEADERS = {
 _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 
 
-def search(call: application.Call) -> Response:
-    """Answer with the cameras of whose names a word begins with every word asked for."""
+def search(call: Call) -> Response:
+    """Search cameras by the beginnings of words."""
     call.api_token()
     request = call.query(CamerasRequest)
     terms = camera_search.query_words(request.query)
@@ -54,11 +55,11 @@ def search(call: application.Call) -> Response:
         and camera_search.has_words(terms[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
-    return application.json_response(answer, headers=_PRIVATE_CACHE)
+    return json_response(answer, headers=_PRIVATE_CACHE)
 
 
-def show(call: application.Call) -> Response:
-    """Return one camera with its calibrations and their agreement."""
+def show(call: Call) -> Response:
+    """One camera with its calibrations and their agreement."""
     call.api_token()
     key = call.path("key")
     store = call.store.cameras
@@ -80,15 +81,11 @@ def show(call: application.Call) -> Response:
     detail = CameraDetail(
         key=key, camera=camera, platform=platform, usb_id=usb_id, vendor=vendor_of(usb_id), modes=modes
     )
-    return application.json_response(detail, headers=_PRIVATE_CACHE)
+    return json_response(detail, headers=_PRIVATE_CACHE)
 
 
-def badge(call: application.Call) -> Response:
-    """Return the badge of a camera at a size.
-
-    It needs no credential, is the same for everyone, and is cached. Unknown cameras and invalid sizes also
-    get a badge, because a missing image would leave a hole in a page.
-    """
+def badge(call: Call) -> Response:
+    """Badge of a camera at a size, also of unknown ones."""
     key, img_size = call.path("key"), parse_size(call.path("file"))
     result = NOT_CALIBRATED
     if img_size is not None and PATTERN.fullmatch(key):
@@ -100,7 +97,7 @@ def badge(call: application.Call) -> Response:
 
 
 handler = application.handler(
-    application.route("/v1/cameras", GET=search),
-    application.route("/v1/cameras/{key}", GET=show),
-    application.route("/badge/{key}/{file}", GET=badge),
+    route("/v1/cameras", GET=search),
+    route("/v1/cameras/{key}", GET=show),
+    route("/badge/{key}/{file}", GET=badge),
 )

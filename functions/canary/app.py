@@ -1,8 +1,4 @@
-"""Canary: looks a camera up and calibrates one through the site, as a page does, and notes how it fared.
-
-The camera is computed, so that its focal length is known. The session is deleted when it has been checked: no
-calibration is stored, and no statistic counts one. A run that fails is raised, too, which Lambda counts.
-"""
+"""Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome."""
 
 from __future__ import annotations
 
@@ -20,7 +16,7 @@ from calibdb.store.storage import storage_named
 
 
 def watch(site: str, token: str) -> tuple[CanaryRun, Exception | None]:
-    """Take the steps; return how they went, and the error that ended them."""
+    """Take the steps; return their outcome, and the error if any."""
     start, at = time.monotonic(), int(time.time())
     step: CanaryStep = "lookup"
     failed: Exception | None = None
@@ -34,7 +30,7 @@ def watch(site: str, token: str) -> tuple[CanaryRun, Exception | None]:
 
 
 def handler(_event: Mapping[str, Any], _context: Any) -> dict[str, Any]:
-    """Run once; note the outcome for `/healthz?deep=1`, and raise what failed."""
+    """Run once; store the outcome for `/healthz?deep=1`; raises CanaryError."""
     region = os.environ["AWS_REGION"]
     site = urljoin(os.environ["GUIDANCE_URL"], "/").rstrip("/")
     secret = os.environ.get("CANARY_TOKEN") or read_parameter(

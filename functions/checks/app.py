@@ -1,9 +1,4 @@
-"""Checks: scores a consensus on fresh views of a camera, and counts the result as a vote.
-
-A calibration that the request gives is scored instead, without a vote. The consensus is taken as it is,
-reliable or not; only the poses are fitted to the views. A vote keeps the views, so that it can be counted
-again for each new consensus (`calibdb.rules.votes`).
-"""
+"""Checks: scores a consensus on fresh views of a camera, and counts the result as a vote."""
 
 from __future__ import annotations
 
@@ -12,36 +7,38 @@ from starlette.responses import Response
 from calibdb.access.tokens import Ticket
 from calibdb.camera_key import public_label, public_platform
 from calibdb.compute import view_checks
-from calibdb.compute.view_checks import MeasuredViews, computing_check
+from calibdb.compute.pooled_consensus import MeasuredViews, score
+from calibdb.compute.view_checks import computing_check
 from calibdb.errors import NotFoundError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.lookup.camera_match import consensus_of_model, find_checked
-from calibdb.rules.corners import require_corners
+from calibdb.rules.session_rules import require_corners
 from calibdb.rules.votes import view_digest, vote_id
 from calibdb.schema import CheckAnswer, CheckRequest, RefitRequest, VoteDocument
 from calibdb.store import StreamMode
 
 
-def check(call: application.Call) -> Response:
-    """Return whether the consensus fits the views, and what checks say of it, or the comparison asked for."""
+def check(call: Call) -> Response:
+    """Check a consensus or a given calibration."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
     require_corners(request.board, request.img_size, request.views)
     if request.calibration is not None:
         with computing_check(call):
-            return application.json_response(view_checks.check_given(request, request.calibration))
+            return json_response(view_checks.check_given(request, request.calibration))
     store, thresholds = call.store, call.service.settings.thresholds
     mode, known = find_checked(store, request, private=thresholds.min_contributors == 1)
     with computing_check(call):
         examined = view_checks.examine(request)
-    scored = view_checks.score(request, examined, known, thresholds.max_check_ratio)
+    scored = score(request.board, examined, known, thresholds.max_check_ratio)
     counted = scored.fits is not None and vote(call, ticket, request, mode, examined)
     current = store.refit.consensus(mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
         current = consensus_of_model(store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:
         raise NotFoundError("The consensus was withdrawn while this check ran.", kind="no-calibration")
-    return application.json_response(
+    return json_response(
         CheckAnswer(
             fits="does_not_fit" if scored.fits is False else "fits",
             error=scored.error,
@@ -54,13 +51,9 @@ def check(call: application.Call) -> Response:
 
 
 def vote(
-    call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
+    call: Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
-    """Count the check as a vote, once.
-
-    False if the contributor, by where they are, has none, and for pictures that a calibration was made of:
-    they are not independent of it.
-    """
+    """Count a check, unless its contributor has no vote, or for images of a calibration."""
     service = call.service
     thresholds = service.settings.thresholds
     where = service.source(call.address)
@@ -90,9 +83,9 @@ def vote(
             **request.consent,
         )
     )
-    # For the other models; this one's is asked for at once.
+    # For the other models.
     service.store.refit.later(RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom))
     return True
 
 
-handler = application.handler(application.route("/v1/checks", POST=check))
+handler = application.handler(route("/v1/checks", POST=check))

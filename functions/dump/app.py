@@ -1,8 +1,4 @@
-"""Dump: continues the public dump that is due. A schedule invokes it every hour of one day of the week.
-
-Each invocation writes as many parts as its time allows; the next one continues. It has no secret, and may
-write only the dump and its draft.
-"""
+"""Dump: continues the public dump that is due. A schedule invokes it every hour of one day of the week."""
 
 from __future__ import annotations
 
@@ -25,7 +21,7 @@ from calibdb.store.storage import storage_named
 
 @metrics.counting_denied_reads
 def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
-    """Answer with the name of the dump that is whole now, null if there is more to do or nothing."""
+    """Write parts while time is left; return the name of a complete dump."""
     region = os.environ["AWS_REGION"]
     storage = storage_named(
         region, os.environ["TABLE_NAME"], os.environ["BUCKET_NAME"], os.environ["WEB_BUCKET_NAME"]

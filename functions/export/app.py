@@ -1,7 +1,4 @@
-"""Export: one stored calibration, or one consensus, or a file of another tool, as another tool's file.
-
-Also the page of a calibration, with a head for messengers, which run no scripts.
-"""
+"""Export: calibrations and files as other tools' files, and pages of results."""
 
 from __future__ import annotations
 
@@ -13,20 +10,20 @@ from starlette.responses import Response
 
 from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.http.part_checks import read_file
-from calibdb.lookup.reported_calibration import read_reported
-from calibdb.lookup.result_page import shared_page
+from calibdb.lookup.result_page import read_reported, shared_page
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery
 
-AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
+_AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 _PAGE_LIMIT_S, _MAX_PAGE_BYTES = 3.0, 200_000
 _PAGE_TTL_S = 60
 _PAGE_HEADERS = {"Cache-Control": f"public, max-age=0, s-maxage={_PAGE_TTL_S}"}
 
 
-def show(call: application.Call) -> Response:
-    """Answer with the calibration in the format asked for; what is computed for it counts as a view does."""
+def show(call: Call) -> Response:
+    """Calibration in the requested format; computing counts as a view."""
     token = call.api_token()
     asked = call.query(ExportQuery)
     if asked.without or not asked.plain:
@@ -37,13 +34,12 @@ def show(call: application.Call) -> Response:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
     if asked.plain and not asked.without:
         known = read_reported(store, calibration_id, document)
-        return application.json_response(known, headers=AS_IT_IS)
-    return compute(call, document, asked)
+        return json_response(known, headers=_AS_IT_IS)
+    return _compute(call, document, asked)
 
 
-def compute(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
-    """Answer with what is computed for the call: without some views, or as a file."""
-    # Imported here, so that a request that only reads a calibration does not load the solver.
+def _compute(call: Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
+    # Other requests do not load the solver.
     from calibdb.compute import exports
     from calibdb.compute.values import in_time
 
@@ -56,14 +52,14 @@ def compute(call: application.Call, document: CalibrationDocument | None, asked:
         if asked.without:
             if document is None:
                 raise InvalidError.field("without", "a consensus has no views of its own")
-            known = known.model_copy(update={"id": None})  # it is stored nowhere
+            known = known.model_copy(update={"id": None})
         if asked.plain:
-            return application.json_response(known, headers=AS_IT_IS)
-        return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)
+            return json_response(known, headers=_AS_IT_IS)
+        return exports.file_response(exports.to_file(known, document, asked))
 
 
-def convert(call: application.Call) -> Response:
-    """Answer with another program's file in the format asked for; it counts as a view does."""
+def convert(call: Call) -> Response:
+    """Another program's file in the requested format; counts as a view."""
     token = call.api_token()
     asked = call.json(ConvertRequest)
     call.service.charge(token, "views", call.address)
@@ -72,33 +68,29 @@ def convert(call: application.Call) -> Response:
 
     slow = "takes longer to convert than a request may; ask for another format"
     with in_time(call, InvalidError.field("format", slow)):
-        return exports.file_response(exports.convert_file(asked), with_coverage=True)
+        return exports.file_response(exports.convert_file(asked))
 
 
-def show_page(call: application.Call) -> Response:
-    """Return the site's page of results with the title of one; without an id, as it is.
-
-    It needs no credential. If it fails, the edge sends the file of the site.
-    """
+def show_page(call: Call) -> Response:
+    """Page of results, with the title of one."""
     language = call.request.path_params.get("language", "")
     if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
         raise NotFoundError("The site has no such page.")
     address = urljoin(call.service.settings.guidance_url, f"/{language}/result/index.html".replace("//", "/"))
-    page = site_page(address, int(time.time() / _PAGE_TTL_S))
+    page = _site_page(address, int(time.time() / _PAGE_TTL_S))
     if calibration_id := call.request.query_params.get("id"):
         page = shared_page(page, call.store, calibration_id)
     return Response(page, 200, _PAGE_HEADERS, "text/html")
 
 
 @functools.lru_cache(maxsize=8)
-def site_page(address: str, _period: int) -> str:
-    """Return a page of the site, read again in each period of `_PAGE_TTL_S`."""
+def _site_page(address: str, _period: int) -> str:
     return read_file(address, _PAGE_LIMIT_S, _MAX_PAGE_BYTES).decode()
 
 
 handler = application.handler(
-    application.route("/v1/calibrations/{id}", GET=show),
-    application.route("/v1/convert", POST=convert),
-    application.route("/result/index.html", GET=show_page),
-    application.route("/{language}/result/index.html", GET=show_page),
+    route("/v1/calibrations/{id}", GET=show),
+    route("/v1/convert", POST=convert),
+    route("/result/index.html", GET=show_page),
+    route("/{language}/result/index.html", GET=show_page),
 )

@@ -1,8 +1,6 @@
 """Health: state of the service and, on request, of each of its parts.
 
-The parts are the index, the bucket, the solver and the edge. Callers need no
-credential, so the load is bounded three times: an instance checks the parts once in ten seconds, the edge
-caches the response as long, and the gateway lets few requests through.
+Callers need no credential, so results are cached.
 """
 
 from __future__ import annotations
@@ -16,6 +14,7 @@ from starlette.responses import Response
 
 from calibdb.errors import UnhealthyError
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, problem_response, route
 from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks, read_config
 from calibdb.schema import DeepHealth, Health
 from calibdb.schema.health import CanaryRun, PartHealth
@@ -28,7 +27,7 @@ _CACHED = {"Cache-Control": f"public, max-age=5, s-maxage={CHECKS_TTL_S:.0f}"}
 
 
 class Checks:
-    """Checks of one deployment, and what they found of its canary."""
+    """Checks of one deployment, and the last run of its canary."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -38,7 +37,7 @@ class Checks:
             Part("bucket", _BUCKET_LIMIT_S, self._prepare_bucket),
             Part("edge", _EDGE_LIMIT_S, self._prepare_edge),
         )
-        self.parts = PartChecks((storage, (Part("solver", _SOLVER_LIMIT_S, prepare_solver),)))
+        self.parts = PartChecks((storage, (Part("solver", _SOLVER_LIMIT_S, _prepare_solver),)))
 
     def _prepare_table(self) -> Callable[[], None]:
         self.canary = None
@@ -49,7 +48,7 @@ class Checks:
         return read
 
     def _prepare_bucket(self) -> Callable[[], object]:
-        # There is no such object: a bucket that works says so.
+        # A bucket that works reports that there is no such object.
         return lambda: storage_of(self._settings).objects.get("health/none")
 
     def _prepare_edge(self) -> Callable[[], None]:
@@ -59,34 +58,29 @@ class Checks:
         return functools.partial(read_config, address, _EDGE_LIMIT_S)
 
 
-def prepare_solver() -> Callable[[], None]:
-    """Import the solver; return a fit whose outcome is known. Nothing else here loads numpy or OpenCV."""
+def _prepare_solver() -> Callable[[], None]:
     from calibdb.compute.solver_check import solve
 
     return solve
 
 
-@functools.lru_cache(maxsize=4)
-def checks_of(settings: Settings) -> Checks:
-    """Return the checks of a deployment, which are remembered."""
-    return Checks(settings)
+_checks_of = functools.lru_cache(maxsize=4)(Checks)
 
 
-def health(call: application.Call) -> Response:
-    """Answer that the service is there; with `deep=1`, how its parts are."""
+def health(call: Call) -> Response:
+    """State of the service; with `deep=1`, of its parts."""
     if not call.flag("deep"):
-        return application.json_response(Health())
+        return json_response(Health())
     call.require_thread()
-    checks = checks_of(call.service.settings)
+    checks = _checks_of(call.service.settings)
     parts, canary = checks.parts(), checks.canary
     if all(part.ok for part in parts) and (canary is None or canary.ok):
         answer = DeepHealth(checked_at=checks.parts.checked_at, parts=parts, canary=canary)
-        return application.json_response(answer, headers=_CACHED)
-    return application.problem_response(unhealthy(checks.parts.checked_at, parts, canary))
+        return json_response(answer, headers=_CACHED)
+    return problem_response(_unhealthy(checks.parts.checked_at, parts, canary))
 
 
-def unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun | None) -> UnhealthyError:
-    """Make the error that says which parts failed, and nothing of why."""
+def _unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun | None) -> UnhealthyError:
     failed = [part.part for part in parts if not part.ok]
     detail = f"Not working: {', '.join(failed)}." if failed else "The canary failed; every part works."
     return UnhealthyError(
@@ -100,4 +94,4 @@ def unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun 
     )
 
 
-handler = application.handler(application.route("/healthz", is_quick=True, GET=health))
+handler = application.handler(route("/healthz", is_quick=True, GET=health))

@@ -13,6 +13,7 @@ from calibdb.compute.target_pose import (
     with_chosen_target,
 )
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
 from calibdb.schema import SessionDocument
 from calibdb.schema.membership import RigMembership
@@ -21,8 +22,8 @@ FORMATS: dict[str, PictureFormat] = {"image/jpeg": "jpeg", "image/png": "png"}
 TYPES = (*FORMATS, "application/json")  # the first is the default
 
 
-def show(call: application.Call) -> Response:
-    """Answer with the open target pose; with `skip=1`, open one of another kind."""
+def show(call: Call) -> Response:
+    """Show the open target pose; with `skip=1`, open another."""
     sid = call.session(charge="poses").sid
     media_type = call.negotiate_media_type(TYPES)
     skip = call.flag("skip")
@@ -42,32 +43,29 @@ def show(call: application.Call) -> Response:
         call = call.with_time_for_a_rig()
     with choosing_target(call):
         if running.rig is not None:
-            return respond(running.next_index, in_rig(call, running, running.rig), media_type)
+            return _respond(running.next_index, _in_rig(call, running, running.rig), media_type)
         document = call.store.sessions.revise(sid, call.now, change)
-    return respond(document.next_index, DrawnTarget.of(document), media_type)
+    return _respond(document.next_index, DrawnTarget.of(document), media_type)
 
 
-def respond(index: int, drawn: DrawnTarget, media_type: str) -> Response:
-    """Answer with a target as numbers, or as a picture of it."""
+def _respond(index: int, drawn: DrawnTarget, media_type: str) -> Response:
     headers = {"Vary": "Accept, Authorization"}
     if media_type == "application/json":
-        return application.json_response(drawn.pose(index), headers=headers)
+        return json_response(drawn.pose(index), headers=headers)
     return Response(drawn.picture(FORMATS[media_type]), headers=headers, media_type=media_type)
 
 
-def in_rig(call: application.Call, document: SessionDocument, place: RigMembership) -> DrawnTarget:
-    """Return the target of the session's rig, as this camera is to see it."""
-    # Here and not above: other sessions need not wait for it.
-    from calibdb.compute import rig_course
+def _in_rig(call: Call, document: SessionDocument, place: RigMembership) -> DrawnTarget:
+    from calibdb.compute import rig_course  # other sessions do not wait for it
 
     session_rules.require_open(document)
     rig, _ = rig_course.load(call.store, place.id)
     rig_rules.require_open(rig.document)
-    estimate = rig_course.ensure_estimate(call, call.store, rig)
+    estimate = rig_course.ensure_estimate(call, rig)
     if estimate.target is None:
         raise not_in_view()
     fit = estimate.fit.cameras[place.position] if estimate.fit else None
     return DrawnTarget.of_rig(document, estimate.target, fit)
 
 
-handler = application.handler(application.route("/v1/session/pose", GET=show))
+handler = application.handler(route("/v1/session/pose", GET=show))

@@ -1,9 +1,7 @@
 """Refit: the consensus of the calibrations of one camera, at one size and zoom. Internal.
 
-It is idempotent and safe to run late, or at the same time as another: a result is written only over one
-made from less. With nothing new, it answers what is stored. A request from the queue takes the single-flight
-lease; where another holds it, the request marks the lease and ends, and the holder goes round once more. One
-that fails every time goes to the dead-letter queue. What is computed stays. The edge answers as it does.
+It is idempotent, and safe late or concurrently: a result is written only over one made from less. If another
+request from the queue has the single-flight lease, its holder repeats the work.
 """
 
 from __future__ import annotations
@@ -11,7 +9,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from calibdb.compute.refits import Consensuses, alone, ensure_current, fitting_group, run_under_lease
+from calibdb.compute.refits import Consensuses, ModeRefit, fitting_group
 from calibdb.compute.values import time_limit
 from calibdb.http import metrics
 from calibdb.schema import DISTORTION_MODELS, RefitAnswer, RefitRequest
@@ -19,21 +17,18 @@ from calibdb.service import Service
 from calibdb.store import StreamMode
 from calibdb.store.aliases import Alias
 
-MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
+MIN_PUBLISHING_S = 8.0  # for storage and the answer
 
 
 @metrics.counting_denied_reads
 def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
-    """Compute, store and return the consensus of every model asked for; null if nothing is known.
-
-    From the queue of those that failed, an event holds one record of a request.
-    """
-    if "Records" in event:
+    """Compute, store and return the consensuses of the requested models."""
+    if "Records" in event:  # from the dead-letter queue
         (record,) = event["Records"]
         event = json.loads(record["body"])["requestPayload"]
     request = RefitRequest.model_validate(event)
     service = Service.of_process()
-    mode = StreamMode(request.camera, request.img_size, request.zoom)
+    refit = ModeRefit(service, StreamMode(request.camera, request.img_size, request.zoom), context)
     consensuses: Consensuses = {}
     fitting = None
     with time_limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
@@ -43,10 +38,11 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
             alias = Alias(request.alias.label, request.alias.platform)
             service.store.aliases.record(alias, request.camera, request.alias.source, service.now)
         elif request.queued:
-            run_under_lease(service, mode, context)
+            refit.under_lease()
         else:
             models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-            consensuses = ensure_current(service, mode, models, alone(service, mode, models, context))
+            consensuses = refit.for_caller(models)
             document = consensuses.get(models[0]) if request.seen and models else None
-            fitting = fitting_group(service, document, request.seen) if document and request.seen else None
+            if document and request.seen:
+                fitting = fitting_group(service.store, document, request.seen)
     return RefitAnswer.model_validate({"models": consensuses, "fitting": fitting}).model_dump(mode="json")

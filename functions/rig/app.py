@@ -1,8 +1,6 @@
 """Rig: cameras that do not move against each other, each a session, captured together.
 
-The leader, whose session is that of camera 0, makes the rig, opens moments, undoes them and ends it. A rig
-that ends says so first in its own document, with all that its end is to be; everything after that follows
-from this document and is idempotent.
+Everything after the end of a rig follows from its document and is idempotent.
 """
 
 from __future__ import annotations
@@ -12,32 +10,30 @@ from starlette.responses import Response
 from calibdb.compute import exports, rig_course
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application, metrics
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules
 from calibdb.schema import MomentRequest, RigRequest
 from calibdb.schema.rig import RIG_FORMATS
 from calibdb.store import running_rigs
 
 
-def create(call: application.Call) -> Response:
-    """Make the rig of a session, or find it, and a fresh join code."""
-    ticket = call.session(charge="poses")
+def create(call: Call) -> Response:
+    """Make or find the rig of a session, and a fresh join code."""
+    ticket, service = call.session(charge="poses"), call.service
     request = call.json(RigRequest)
-    service = call.service
-    who, where = call.contributor(ticket)
-    code = rig_rules.code_of(service.random_hex(8))
-    secret = service.settings.contributor_secret
-    lead = running_rigs.Lead(ticket.sid, who, where)
+    lead = running_rigs.Lead(ticket.sid, *call.contributor(ticket))
+    code, secret = rig_rules.code_of(service.random_hex(8)), service.settings.contributor_secret
     opened = running_rigs.create(service.store, lead, request, code, secret, service.now)
-    return application.json_response(opened, 201)
+    return json_response(opened, 201)
 
 
-def show(call: application.Call) -> Response:
-    """Answer with the state of the rig, or that it has not changed; `skip=1`: with another target."""
+def show(call: Call) -> Response:
+    """Show the rig, unless it has not changed; `skip=1`: with another target."""
     rig_id, store = call.path("id"), call.store
     by_session = call.is_session()
     if call.flag("skip"):
         sid = call.session(charge="poses").sid
-        rig_course.skip(call.with_time_for_a_rig(), store, rig_id, sid, call.now)
+        rig_course.skip(call.with_time_for_a_rig(), rig_id, sid)
     elif not by_session:
         call.api_token()
     else:
@@ -48,69 +44,69 @@ def show(call: application.Call) -> Response:
         return Response(status_code=304, headers={"ETag": tag})
     if by_session:
         call.session(charge="poses")
-    return state_response(call, rig_id)
+    return _state_response(call, rig_id)
 
 
-def open_moment(call: application.Call) -> Response:
-    """Open a moment: from now on cameras may send views of it."""
+def open_moment(call: Call) -> Response:
+    """Open a moment."""
     sid = call.session(charge="poses").sid
     moment, rig_id = call.json(MomentRequest).moment, call.path("id")
     running_rigs.open_moment(call.store, rig_id, sid, moment, call.now)
-    return state_response(call, rig_id, 201)
+    return _state_response(call, rig_id, 201)
 
 
-def undo_moment(call: application.Call) -> Response:
-    """Undo a moment in all cameras. Views of it that come late do not count."""
+def undo_moment(call: Call) -> Response:
+    """Undo a moment in all cameras."""
     sid = call.session(charge="views").sid
-    rig_id, moment, service = call.path("id"), call.path("moment"), call.service
-    rig_course.undo_moment(call.with_time_for_a_rig(), service.store, rig_id, sid, moment, service.now)
-    return state_response(call, rig_id)
+    rig_id = call.path("id")
+    rig_course.undo_moment(call.with_time_for_a_rig(), rig_id, sid, call.path("moment"))
+    return _state_response(call, rig_id)
 
 
-def finish(call: application.Call) -> Response:
-    """End the rig with the moments that agree: fix its result, then publish it and its cameras."""
+def finish(call: Call) -> Response:
+    """End the rig with the moments that agree."""
     sid = call.session(charge="views").sid
-    rig_id, service = call.path("id"), call.service
-    ended = rig_course.finish(call.with_time_for_a_rig(), service.store, rig_id, sid, service.now)
+    rig_id = call.path("id")
+    ended = rig_course.finish(call.with_time_for_a_rig(), rig_id, sid)
     if ended:
-        metrics.count(service.clock(), Calibrations=ended)
-    return state_response(call, rig_id)
+        metrics.count(Calibrations=ended)
+    return _state_response(call, rig_id)
 
 
-def forget(call: application.Call) -> Response:
+def forget(call: Call) -> Response:
     """Forget a running rig, and the sessions of its cameras."""
     sid = call.session(charge="poses").sid
     running_rigs.forget(call.store, call.path("id"), sid, call.now)
-    return application.no_content()
+    return Response(status_code=204)
 
 
-def result(call: application.Call) -> Response:
-    """Answer with the result of a finished rig, or with another tool's files of it."""
+def result(call: Call) -> Response:
+    """Result of a finished rig, or another tool's files of it."""
     name = call.request.query_params.get("format", "json")
     ticket = call.session(charge="poses") if call.is_session() else None
     token = call.api_token() if ticket is None else call.service.token_of(ticket)
     if name not in exports.RIG_WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
-    state, _ = rig_course.state_of(call, call.store, call.path("id"), running=False)
+    state, _ = rig_course.state_of(call, call.path("id"), running=False)
     if state.result is None:
         raise NotFoundError("This rig has no result yet: its leader finishes it.", kind="rig-unfinished")
     if name == "json":
-        return application.json_response(state.result)
+        return json_response(state.result)
     call.service.charge(token, "views", call.address)
-    return exports.file_response(exports.rig_file(call.with_time_for_a_rig(), state.result, name))
+    file = exports.rig_file(call.with_time_for_a_rig(), state.result, name)
+    return exports.file_response(file, with_coverage=False)
 
 
-def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
-    """Answer with the state of a rig, running or finished; raises NotFoundError."""
-    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.store, rig_id)
-    return application.json_response(state, status, {"ETag": tag})
+def _state_response(call: Call, rig_id: str, status: int = 200) -> Response:
+    state, tag = rig_course.state_of(call.with_time_for_a_rig(), rig_id)
+    return json_response(state, status, {"ETag": tag})
 
 
 handler = application.handler(
-    application.route("/v1/rigs", POST=create),
-    application.route("/v1/rigs/{id}", GET=show, DELETE=forget),
-    application.route("/v1/rigs/{id}/moments", POST=open_moment),
-    application.route("/v1/rigs/{id}/moments/{moment}", DELETE=undo_moment),
-    application.route("/v1/rigs/{id}/finish", POST=finish),
-    application.route("/v1/rigs/{id}/result", GET=result),
+    route("/v1/rigs", POST=create),
+    route("/v1/rigs/{id}", GET=show, DELETE=forget),
+    route("/v1/rigs/{id}/moments", POST=open_moment),
+    route("/v1/rigs/{id}/moments/{moment}", DELETE=undo_moment),
+    route("/v1/rigs/{id}/finish", POST=finish),
+    route("/v1/rigs/{id}/result", GET=result),
 )

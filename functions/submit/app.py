@@ -1,27 +1,25 @@
 """Submit: decide on a view, refit the camera and choose the next pose; undo a view; finish a recording.
 
-The view that makes a live session converge ends it; a recorded session, whose views are all there already, is
-ended by its client. Then the calibration is published and its consensus asked for. The session's own document
-says so first. Everything after that follows from this document and is idempotent:
-a client that repeats a view whose answer it missed completes what a crash left undone.
+Everything after the end of a session follows from its document and is idempotent, so that a repeated view
+completes what a crash left undone.
 """
 
 from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.compute import session_course
-from calibdb.compute.session_course import Batch, Judgement, computing_views
-from calibdb.http import application, metrics
+from calibdb.compute.session_course import Batch, Course, Judgement, computing_views, judge_batch
+from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.rules import rig_rules, session_rules
-from calibdb.rules.session_state import batch_answer, state, view_answer
+from calibdb.rules.session_result import batch_answer, state, view_answer
 from calibdb.schema import BatchRequest, SessionDocument, ViewRequest
 from calibdb.schema.session import LicenceRequest
 from calibdb.store import endings, running_rigs
 
 
-def submit(call: application.Call) -> Response:
-    """Answer whether the view became part of the session, and the session's state."""
+def submit(call: Call) -> Response:
+    """Judge a view."""
     ticket = call.session(charge="views")
     request = call.json(ViewRequest)
     service = call.service
@@ -32,79 +30,68 @@ def submit(call: application.Call) -> Response:
         if running_rigs.is_replay(service.store, document, view):
             return None, (document, Judgement())
         session_rules.validate_view(document, view)
-        judged = session_course.Course(document, service.now, who, where).judge(view)
+        judged = Course(document, service.now, who, where).judge(view)
         return judged.document, (judged.shown(document), judged)
 
     with computing_views(call):
         document, judged = service.store.sessions.update(ticket.sid, service.now, change)
-    count(call, judged)
+    judged.count()
     if document.finish is not None:
         endings.publish(service.store, document)
-    return application.json_response(view_answer(document, judged.reason, judged.hint))
+    return json_response(view_answer(document, judged.reason, judged.hint))
 
 
-def submit_batch(call: application.Call) -> Response:
-    """Judge several views of a recording in their order; respond with their results and the session's state.
-
-    Views that the request has no time left to judge have no result.
-    """
+def submit_batch(call: Call) -> Response:
+    """Judge several views of a recording, as many as the time allows."""
     sid = call.session(charge="views").sid
     request = call.json(BatchRequest, depth=2)
     service = call.service
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, Batch]:
-        batch = session_course.judge_batch(document, request, service.now, call.seconds_left)
+        batch = judge_batch(document, request, service.now, call.seconds_left)
         return (None if batch.document is document else batch.document), batch
 
     with computing_views(call):
         batch = service.store.sessions.update(sid, service.now, change)
     for judged in batch.judged:
-        count(call, judged)
-    return application.json_response(batch_answer(batch.document, batch.results))
+        judged.count()
+    return json_response(batch_answer(batch.document, batch.results))
 
 
-def remove(call: application.Call) -> Response:
-    """Undo: answer with the state of the session without one of its views."""
+def remove(call: Call) -> Response:
+    """Undo a view."""
     sid = call.session(charge="views").sid
     index, now = call.index("index"), call.now
     with computing_views(call):
-        document = call.store.sessions.revise(
-            sid, now, lambda known: session_course.without_view(known, index, now)
-        )
-    return application.json_response(state(document))
+        document = call.store.sessions.revise(sid, now, lambda known: Course(known, now).without_view(index))
+    return json_response(state(document))
 
 
-def finish(call: application.Call) -> Response:
-    """End a session with the views that agree, however accurate they are, and answer with its state."""
+def finish(call: Call) -> Response:
+    """End a session with the views that agree."""
     ticket = call.session(charge="views")
     service = call.service
     who, where = call.contributor(ticket)
     with computing_views(call):
         document = service.store.sessions.revise(
-            ticket.sid, service.now, lambda known: session_course.finish(known, service.now, who, where)
+            ticket.sid, service.now, lambda known: Course(known, service.now, who, where).finish()
         )
     endings.publish(service.store, document)
-    return application.json_response(state(document))
+    return json_response(state(document))
 
 
-def license_views(call: application.Call) -> Response:
-    """Add the contributor's licence to a session and to what it published; answer with its state."""
+def license_views(call: Call) -> Response:
+    """Add a licence to a session and its calibration."""
     sid = call.session(charge="views").sid
     request = call.json(LicenceRequest)
     document = endings.license_session(call.store, sid, request, call.now)
-    return application.json_response(state(document))
-
-
-def count(call: application.Call, judged: Judgement) -> None:
-    """Have a judgement counted; nothing of a view that was judged before."""
-    if judged.measurements:
-        metrics.count(call.service.clock(), reason=judged.reason, **judged.measurements)
+    return json_response(state(document))
 
 
 handler = application.handler(
-    application.route("/v1/session/views", POST=submit),
-    application.route("/v1/session/batch", POST=submit_batch),
-    application.route("/v1/session/views/{index}", DELETE=remove),
-    application.route("/v1/session/finish", POST=finish),
-    application.route("/v1/session/licence", POST=license_views),
+    route("/v1/session/views", POST=submit),
+    route("/v1/session/batch", POST=submit_batch),
+    route("/v1/session/views/{index}", DELETE=remove),
+    route("/v1/session/finish", POST=finish),
+    route("/v1/session/licence", POST=license_views),
 )

@@ -1,7 +1,6 @@
 """Tokens: people make API tokens for themselves, prove their origins, watch their use, rotate and revoke.
 
-Nothing here depends on what others have: an origin may have any number of tokens, each proved by a line of
-its own, and no response reveals whether there are any.
+No response reveals whether an origin has other tokens.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS
 from calibdb.access.token_facts import facts, hourly_limits, use_summary
 from calibdb.access.tokens import ApiToken
 from calibdb.http import application
+from calibdb.http.application import Call, json_response, route
 from calibdb.schema import (
     ManagedToken,
     RotationRequest,
@@ -25,29 +25,29 @@ from calibdb.store import managed_tokens
 from calibdb.store.token_cache import retry_after
 
 
-def create(call: application.Call) -> Response:
-    """Make a token; its two secrets are shown only once."""
+def create(call: Call) -> Response:
+    """Make a token."""
     call.require_json_of_the_site()
     request, service = call.json(TokenRequest), call.service
     sender, limit = service.source(call.address), service.settings.max_new_tokens
     made = managed_tokens.create(service.store, request, sender, service.now, limit, service.random_hex)
     shown = facts(made.token, service.plan_of(made.token), service.now)
-    return application.json_response(made.answer(shown), 201)
+    return json_response(made.answer(shown), 201)
 
 
-def show(call: application.Call) -> Response:
-    """Answer with the token's facts and use."""
+def show(call: Call) -> Response:
+    """Show the token's facts and use."""
     return _token_response(call, _living(call))
 
 
-def change(call: application.Call) -> Response:
-    """Give the token other origins or another name; an origin that it keeps stays as it is."""
+def change(call: Call) -> Response:
+    """Give the token other origins or another name."""
     token = _living(call)
     return _token_response(call, managed_tokens.change(call.store, token, call.json(TokenChange)))
 
 
-def verify(call: application.Call) -> Response:
-    """Look for the proofs of all pending origins. May be repeated: it returns the current state."""
+def verify(call: Call) -> Response:
+    """Look for the proofs of all pending origins."""
     token = _living(call)
     service = call.service
     failures: dict[str, ProofFailure] = {}
@@ -57,8 +57,8 @@ def verify(call: application.Call) -> Response:
     return _token_response(call, token, failures)
 
 
-def rotate(call: application.Call) -> Response:
-    """Give the token another secret, shown only once; the previous one stays valid for a while."""
+def rotate(call: Call) -> Response:
+    """Give the token another secret."""
     token, service = _living(call), call.service
     request = call.json(RotationRequest) if call.body else RotationRequest()
     secret = service.random_hex(managed_tokens.SECRET_BYTES)
@@ -66,17 +66,17 @@ def rotate(call: application.Call) -> Response:
     answer = TokenRotated(
         id=token.id, token=f"cdb_{token.id}_{secret}", former_until=rotated.former_until or None
     )
-    return application.json_response(answer)
+    return json_response(answer)
 
 
-def revoke(call: application.Call) -> Response:
-    """Revoke the token for good. Idempotent."""
+def revoke(call: Call) -> Response:
+    """Revoke the token for good; idempotent."""
     call.store.tokens.revoke(call.managed_token(), call.now)
-    return application.no_content()
+    return Response(status_code=204)
 
 
-def usage(call: application.Call) -> Response:
-    """Answer with the use of the API token in this hour."""
+def usage(call: Call) -> Response:
+    """Show the use of the API token in this hour."""
     token = call.api_token()
     service, now = call.service, call.now
     allowed = service.plan_of(token)
@@ -89,26 +89,24 @@ def usage(call: application.Call) -> Response:
         used=UseCounts.model_validate(service.store.quotas.used(token.id, now)),
         used_here=UseCounts.model_validate(service.store.quotas.used(token.id, now, who)),
     )
-    return application.json_response(answer)
+    return json_response(answer)
 
 
-def _living(call: application.Call) -> ApiToken:
+def _living(call: Call) -> ApiToken:
     return managed_tokens.require_living(call.managed_token(), call.now)
 
 
-def _token_response(
-    call: application.Call, token: ApiToken, failures: dict[str, ProofFailure] | None = None
-) -> Response:
+def _token_response(call: Call, token: ApiToken, failures: dict[str, ProofFailure] | None = None) -> Response:
     now = call.now
     shown = facts(token, call.service.plan_of(token), now, failures)
     use = use_summary(call.store.quotas.use(token.id, now), now)
-    return application.json_response(ManagedToken(**dict(shown), use=use))
+    return json_response(ManagedToken(**dict(shown), use=use))
 
 
 handler = application.handler(
-    application.route("/v1/tokens", POST=create),
-    application.route("/v1/tokens/self", GET=show, PATCH=change, DELETE=revoke),
-    application.route("/v1/tokens/self/verify", POST=verify),
-    application.route("/v1/tokens/self/rotate", POST=rotate),
-    application.route("/v1/usage", GET=usage),
+    route("/v1/tokens", POST=create),
+    route("/v1/tokens/self", GET=show, PATCH=change, DELETE=revoke),
+    route("/v1/tokens/self/verify", POST=verify),
+    route("/v1/tokens/self/rotate", POST=rotate),
+    route("/v1/usage", GET=usage),
 )

@@ -1,7 +1,6 @@
-"""Verify: looks for the proof of an origin and notes that it was found. Only `tokens` invokes it.
+"""Verify: looks for the proof of an origin and stores that it was found. Only `tokens` invokes it.
 
-It is the only function that connects to a host that a user names. So its role reads nothing and writes only
-that note. It has no secret and none of the other functions' settings.
+Only this function connects to a host that a user names. So its role may only write that note.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from calibdb.store.storage import storage_named
 def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
     """Return whether the origin's file has the line of the token."""
     request = ProofRequest.model_validate(dict(event))
-    failure = look_for(request)
+    failure = _look_for(request)
     if failure is None:
         region = os.environ["AWS_REGION"]
         table = storage_named(region, os.environ["TABLE_NAME"]).table
@@ -29,8 +28,7 @@ def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
     return ProofAnswer(failure=failure).model_dump(mode="json")
 
 
-def look_for(request: ProofRequest) -> ProofFailure | None:
-    """Fetch the file of the origin; return why it proves nothing, None if it does."""
+def _look_for(request: ProofRequest) -> ProofFailure | None:
     host = proof_host(request.origin)
     if host is None:
         return "name"

@@ -1,8 +1,4 @@
-"""Errors of the service: one tree, each error with the problem document that the caller gets.
-
-An error is raised where it is known, with the words a caller needs, and becomes an answer in one place
-(`calibdb.http`), as RFC 9457 `application/problem+json`.
-"""
+"""Errors of the service: one tree, each error with its RFC 9457 problem document."""
 
 from __future__ import annotations
 
@@ -11,34 +7,23 @@ from dataclasses import dataclass
 
 from pydantic import JsonValue
 
-MAX_FIELD_ERRORS = 20  # in one answer; of a body with ten thousand wrong points the first few say enough
-PROBLEMS = "/docs/problems/#"  # on the site: the page that says what to do about each kind
+MAX_FIELD_ERRORS = 20  # in one response
+PROBLEMS = "/docs/problems/#"  # page of the site
 
 
 @dataclass(frozen=True)
 class FieldError:
-    """One field of a request and what is wrong with it; `field` is its path, joined by dots."""
+    """Invalid field of a request; `field`: its path, joined by dots."""
 
     field: str
     detail: str
 
 
 class CalibdbError(Exception):
-    """Base of all errors that a caller receives: status, problem type and title by class, detail by instance.
+    """Base of all errors that a caller receives.
 
-    Parameters
-    ----------
-    detail
-        One sentence about this occurrence. Never contains what the caller sent, except names of fields.
-    kind
-        Last part of the problem's type where one class stands for several problems.
-    fields
-        Problem of each field (`errors` of the response).
-    headers
-        Headers that the response must have, such as `WWW-Authenticate`.
-    extensions
-        Extension members of the problem document (RFC 9457, 3.2).
-
+    `detail` contains nothing that the caller sent, except names of fields. `kind` is the last part of the
+    problem's type if one class stands for several, `extensions` are members of the document (RFC 9457, 3.2).
     """
 
     status = 500
@@ -62,7 +47,7 @@ class CalibdbError(Exception):
         self.extensions = dict(extensions or {})
 
     def problem(self) -> dict[str, JsonValue]:
-        """Return the problem document, as RFC 9457 names its members; `type` relative to the site."""
+        """Problem document, its `type` relative to the site."""
         document: dict[str, JsonValue] = {
             "type": PROBLEMS + self.kind,
             "title": self.title,
@@ -90,49 +75,49 @@ class UnauthenticatedError(CalibdbError):
 
 
 class ForbiddenError(CalibdbError):
-    """A credential was sent, and it does not open this: unknown, expired, or not from this origin."""
+    """The credential is unknown, expired, or not from this origin."""
 
     status, kind, title = 403, "forbidden", "Credential refused"
 
 
 class NotFoundError(CalibdbError):
-    """There is no such thing."""
+    """The resource does not exist."""
 
     status, kind, title = 404, "not-found", "Not found"
 
 
 class NotAcceptableError(CalibdbError):
-    """None of the media types that the caller accepts can be given."""
+    """The caller accepts none of the media types."""
 
     status, kind, title = 406, "not-acceptable", "Not acceptable"
 
 
 class ConflictError(CalibdbError):
-    """The request does not fit the state that things are in."""
+    """The request contradicts the current state."""
 
     status, kind, title = 409, "conflict", "Conflict"
 
 
 class GoneError(CalibdbError):
-    """There was such a thing, and it was taken back."""
+    """The calibration was withdrawn."""
 
     status, kind, title = 410, "gone", "Withdrawn"
 
 
 class TooLargeError(CalibdbError):
-    """The body is larger than anything this call can mean."""
+    """The body is too large."""
 
     status, kind, title = 413, "too-large", "Body too large"
 
 
 class UnsupportedMediaTypeError(CalibdbError):
-    """The body is of another media type than JSON."""
+    """The body is not declared as JSON."""
 
     status, kind, title = 415, "unsupported-media-type", "Not declared as JSON"
 
 
 class InvalidError(CalibdbError):
-    """The request is JSON, but its fields are not what they must be."""
+    """Fields of the request are invalid."""
 
     status, kind, title = 422, "invalid", "Invalid fields"
 
@@ -142,12 +127,12 @@ class InvalidError(CalibdbError):
 
     @classmethod
     def field(cls, field: str, detail: str) -> InvalidError:
-        """Return the error of one field."""
+        """Error of one field."""
         return cls((FieldError(field, detail),))
 
 
 class TooManyError(CalibdbError):
-    """The plan's calls of this hour are used up, or this contributor's share of them."""
+    """The plan's calls of this hour, or a share of them, are used up."""
 
     status, kind, title = 429, "quota", "Quota used up"
 
@@ -170,10 +155,10 @@ class UnavailableError(CalibdbError):
 
 
 class UnhealthyError(CalibdbError):
-    """Some part of the service does not work; `parts` says which."""
+    """Some part of the service does not work."""
 
     status, kind, title = 503, "unhealthy", "Not everything works"
 
 
 class DeniedReadError(UnavailableError):
-    """S3 denied an object that is there, or may be there: nothing may be concluded from its absence."""
+    """S3 denied an object, which may exist."""

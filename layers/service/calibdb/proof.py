@@ -1,10 +1,7 @@
-"""Proof of an origin: a file on it, fetched by one GET over HTTPS.
+"""Proof of an origin: a file on it, fetched by one GET over HTTPS, within bounds of time and size.
 
-The connection goes to an address that was checked, and ends within bounds of time and size.
-
-The name is resolved once. Every address that it has must be public, the connection goes to one of these
-addresses and to no name, and the peer's address is checked again: a name that resolves to something else a
-moment later changes nothing. TLS verifies the name. No redirect is followed and no cookie is kept.
+The name is resolved once. Each of its addresses must be public, the connection goes to one of them, and the
+peer's address is checked again. TLS verifies the name. No redirect is followed and no cookie is kept.
 """
 
 from __future__ import annotations
@@ -24,56 +21,36 @@ from typing import Any, cast
 from calibdb.schema.managed_token import ProofFailure
 from calibdb.schema.origins import PROOF_PATH
 
-MAX_FETCH_S = 3.0  # s, for all of it: name, connection, handshake, answer
+MAX_FETCH_S = 3.0  # for name, connection, handshake and response
 MAX_PROOF_BYTES = 1024
 _MAX_ANSWER_BYTES = 16_384  # with its headers
-_MAX_ADDRESSES = 2  # tried one after the other
+_MAX_ADDRESSES = 2
 _HTTPS_PORT = 443
-_AGENT = "calibDB origin verification"
 
-# IANA IPv4 and IPv6 Special-Purpose Address Registries (RFC 6890). The lists stand here, since those of
-# Python's `ipaddress` differ between its versions.
-_SPECIAL_IPV4 = tuple(
-    map(
-        ipaddress.IPv4Network,
-        (
-            "0.0.0.0/8",
-            "10.0.0.0/8",
-            "100.64.0.0/10",
-            "127.0.0.0/8",
-            "169.254.0.0/16",
-            "172.16.0.0/12",
-            "192.0.0.0/24",
-            "192.0.2.0/24",
-            "192.31.196.0/24",
-            "192.52.193.0/24",
-            "192.88.99.0/24",
-            "192.168.0.0/16",
-            "192.175.48.0/24",
-            "198.18.0.0/15",
-            "198.51.100.0/24",
-            "203.0.113.0/24",
-            "224.0.0.0/4",
-            "240.0.0.0/4",
-        ),
+# IANA IPv4 and IPv6 Special-Purpose Address Registries (RFC 6890). Python's `ipaddress` differs by version.
+_SPECIAL_IPV4 = [
+    ipaddress.IPv4Network(network)
+    for network in (
+        *("0.0.0.0/8", "10.0.0.0/8", "100.64.0.0/10", "127.0.0.0/8", "169.254.0.0/16", "172.16.0.0/12"),
+        *("192.0.0.0/24", "192.0.2.0/24", "192.31.196.0/24", "192.52.193.0/24", "192.88.99.0/24"),
+        *("192.168.0.0/16", "192.175.48.0/24", "198.18.0.0/15", "198.51.100.0/24", "203.0.113.0/24"),
+        *("224.0.0.0/4", "240.0.0.0/4"),
     )
-)
+]
 _GLOBAL_UNICAST = ipaddress.IPv6Network("2000::/3")
 # Within it: protocol assignments with Teredo, benchmarking and ORCHID; documentation; 6to4, which holds an
 # IPv4 address. IPv4-mapped addresses and NAT64 lie outside.
-_SPECIAL_IPV6 = tuple(
-    map(
-        ipaddress.IPv6Network,
-        ("2001::/23", "2001:db8::/32", "2002::/16", "2620:4f:8000::/48", "3fff::/20"),
-    )
-)
+_SPECIAL_IPV6 = [
+    ipaddress.IPv6Network(network)
+    for network in ("2001::/23", "2001:db8::/32", "2002::/16", "2620:4f:8000::/48", "3fff::/20")
+]
 
 Resolve = Callable[[str], Sequence[str]]
 Connect = Callable[[str, float], socket.socket]
 
 
 class ProofError(Exception):
-    """No proof could be read; `reason` says at which step."""
+    """No proof could be read."""
 
     def __init__(self, reason: ProofFailure) -> None:
         super().__init__(reason)
@@ -81,13 +58,13 @@ class ProofError(Exception):
 
 
 def resolve(host: str) -> list[str]:
-    """Return the addresses of a name, as the system's resolver orders them."""
+    """Addresses of a name, in the resolver's order."""
     addresses = socket.getaddrinfo(host, _HTTPS_PORT, type=socket.SOCK_STREAM)
     return list(dict.fromkeys(str(entry[4][0]) for entry in addresses))
 
 
 def connect(address: str, timeout_s: float) -> socket.socket:
-    """Connect to an address, never a name, at HTTPS's port."""
+    """Connect to an address, never a name."""
     return socket.create_connection((address, _HTTPS_PORT), timeout=timeout_s)
 
 
@@ -99,13 +76,7 @@ def read_proof(
     connect: Connect = connect,
     max_s: float = MAX_FETCH_S,
 ) -> str:
-    """Return the text of `https://<host>/.well-known/calibdb.txt`.
-
-    Raises
-    ------
-    ProofError
-        If it cannot be had: see `ProofFailure`.
-    """
+    """Text of `https://<host>/.well-known/calibdb.txt`; raises ProofError."""
     deadline = time.monotonic() + max_s
     addresses = _public_addresses(host, resolve, deadline - time.monotonic())
     connection = _connect_to_any(addresses, connect, deadline)
@@ -131,8 +102,7 @@ def read_proof(
 
 
 def _public_addresses(host: str, resolve: Resolve, timeout_s: float) -> Sequence[str]:
-    """Resolve the name once; ProofError where any of its addresses is not public."""
-    # The resolver has no time limit of its own. A thread that is still waiting dies with the instance.
+    # The resolver has no time limit. A thread that is still waiting ends with the instance.
     worker = ThreadPoolExecutor(1)
     try:
         addresses = worker.submit(resolve, host).result(timeout_s)
@@ -150,7 +120,7 @@ def _public_addresses(host: str, resolve: Resolve, timeout_s: float) -> Sequence
 
 
 def is_public(text: str) -> bool:
-    """True if `text` is an address of the public internet, as a resolver or a socket writes it."""
+    """True if `text` is an address of the public internet."""
     try:
         address = ipaddress.ip_address(text)
     except ValueError:
@@ -178,7 +148,6 @@ def _connect_to_any(addresses: Sequence[str], connect: Connect, deadline: float)
 
 
 def _seconds_left(deadline: float) -> float:
-    """Return the s that are left; ProofError where there are none."""
     left = deadline - time.monotonic()
     if left <= 0:
         raise ProofError("timeout")
@@ -186,7 +155,7 @@ def _seconds_left(deadline: float) -> float:
 
 
 def _shake_hands(secured: ssl.SSLSocket, deadline: float) -> None:
-    """Shake hands before the deadline: a peer that sends a byte at a time restarts every other time limit."""
+    """Shake hands before the deadline: single bytes restart every other time limit."""
     secured.settimeout(0.0)
     while True:
         try:
@@ -203,7 +172,7 @@ def _request(host: str) -> bytes:
     lines = (
         f"GET {PROOF_PATH} HTTP/1.1",
         f"Host: {host}",
-        f"User-Agent: {_AGENT}",
+        "User-Agent: calibDB origin verification",
         "Accept: text/plain, */*",
         "Accept-Encoding: identity",
         "Connection: close",
@@ -212,7 +181,6 @@ def _request(host: str) -> bytes:
 
 
 def _receive(secured: ssl.SSLSocket, deadline: float) -> bytes:
-    """Read the response to its end; ProofError if it is too large or too slow."""
     received = bytearray()
     while True:
         secured.settimeout(_seconds_left(deadline))
@@ -228,7 +196,7 @@ def _receive(secured: ssl.SSLSocket, deadline: float) -> bytes:
 
 
 class _ReceivedBytes:
-    """Answer that was read, as `http.client` wants a socket."""
+    """Response in place of the socket of `http.client`."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content

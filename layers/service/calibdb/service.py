@@ -1,4 +1,4 @@
-"""Service context of a handler: settings, clock, credentials, storage, built once for an environment."""
+"""Service of a handler: settings, clock, credentials and storage."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from calibdb.access.plans import (
     MAX_MANAGEMENT_CALLS,
     NETWORK_SHARES,
-    PLANS,
     Counter,
     Kind,
     Plan,
@@ -43,8 +42,7 @@ from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
 from calibdb.store.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 
-WRITE_INTERVAL_S = 1.0
-"""Time after which a server writes what no response waits for."""
+WRITE_INTERVAL_S = 1.0  # of what no response waits for, in a server
 
 _log = logging.getLogger(__name__)
 
@@ -66,24 +64,23 @@ class Service:
 
     @classmethod
     def of_process(cls) -> Service:
-        """Return the service of this process; one and the same for equal settings.
+        """Service of this process, one for equal settings.
 
-        The environment is read once, its secrets again every five minutes.
+        The environment is read once, secrets again every five minutes.
         """
-        global _settings
-        if _of_server is not None:
-            return _of_server
-        current = _settings
-        if current is None or time.monotonic() >= current.until:
-            current = _settings = _ProcessSettings.read()
-        return _maker(current.settings)
+        global _settings, _settings_until
+        settings = _settings
+        if settings is None or time.monotonic() >= _settings_until:
+            variables, _settings_until = with_secrets(os.environ)
+            settings = _settings = Settings.from_environment(variables)
+        return _maker(settings)
 
     @classmethod
     @contextmanager
     def in_server(cls) -> Iterator[None]:
-        """Make `of_process` return one service, with a thread that writes what no response needs."""
-        global _of_server
-        service = cls.make(_ProcessSettings.read().settings, in_background=True)
+        """Have `of_process` return one service within the block, with a thread for pending writes."""
+        settings = Settings.from_environment(with_secrets(os.environ)[0])
+        service = cls.build(settings, Store.of(settings), in_background=True)
         stopping = threading.Event()
 
         def work() -> None:
@@ -92,18 +89,17 @@ class Service:
 
         thread = threading.Thread(target=work, name="pending writes", daemon=True)
         thread.start()
-        _of_server = service
         try:
-            yield
+            with cls.override(lambda _: service):
+                yield
         finally:
-            _of_server = None
             stopping.set()
             thread.join()
             service.write_pending()
 
     @property
     def writes_later(self) -> bool:
-        """True in a server, which writes what no response needs once per `WRITE_INTERVAL_S`."""
+        """True in a server, which calls `write_pending` once per `WRITE_INTERVAL_S`."""
         return self._writes is not None
 
     def write_later(self, write: Callable[[], None]) -> None:
@@ -114,7 +110,7 @@ class Service:
             self._writes.append(write)
 
     def write_pending(self) -> None:
-        """Write the lookups that were counted, and what `write_later` has gathered."""
+        """Write counted lookups, and what `write_later` gathered."""
         try:
             self._tokens.write_pending()
             while self._writes:
@@ -125,11 +121,7 @@ class Service:
     @classmethod
     @contextmanager
     def override(cls, make: Callable[[Settings], Service]) -> Iterator[None]:
-        """Have `of_process` return `make(settings)` within the block, in every thread.
-
-        For tests and measurements: a function's service with another clock or cache. `make` is called for
-        each request; it may return the same service each time.
-        """
+        """Have `of_process` return `make(settings)` within the block."""
         global _maker
         before = _maker
         _maker = make
@@ -140,16 +132,15 @@ class Service:
 
     @classmethod
     def forget(cls) -> None:
-        """Forget the environment and the services of it, as both are others from here on."""
+        """Forget the environment and its services."""
         global _settings
         _settings = None
         _remembered.cache_clear()
 
     @classmethod
-    def make(cls, settings: Settings, *, in_background: bool = False) -> Service:
-        """Return a new service of `settings`; `in_background`: as of `build`."""
-        plans = multiplied(settings.plan_factors)
-        return cls.build(settings, Store.of(settings), plans=plans, in_background=in_background)
+    def make(cls, settings: Settings) -> Service:
+        """New service over the storage of `settings`."""
+        return cls.build(settings, Store.of(settings))
 
     @classmethod
     def build(
@@ -159,12 +150,12 @@ class Service:
         clock: Callable[[], float] = time.time,
         random_hex: Callable[[int], str] = secrets.token_hex,
         token_ttl_s: float = TOKEN_TTL_S,
-        plans: Mapping[str, Plan] = PLANS,
+        plans: Mapping[str, Plan] | None = None,
         *,
         in_background: bool = False,
     ) -> Service:
-        """Put a service together from its parts; `in_background`: `write_pending` is called every second."""
-        ids = SessionIds(settings.session_secrets, clock)
+        """Put a service together; `in_background`: `write_pending` is called once per `WRITE_INTERVAL_S`."""
+        ids, plans = SessionIds(settings.session_secrets, clock), plans or multiplied(settings.plan_factors)
         tokens = TokenCache(
             store.tokens, store.quotas, clock, token_ttl_s, plans, in_background=in_background
         )
@@ -177,16 +168,15 @@ class Service:
         return int(self.clock())
 
     def ticket(self, token: ApiToken, origin: str | None) -> Ticket:
-        """Return a new session's ticket. Session names sort by the time of their start."""
+        """Ticket of a new session. Names of sessions sort by the time of their start."""
         return Ticket(
             f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
-        """Return the token that `text` is; raises ForbiddenError if it is unknown or its secret is wrong.
+        """Token that `text` is; raises ForbiddenError.
 
-        A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
-        The first use of a token is written, in a server later; else `before_write` is called before.
+        Its first use is written, in a server later; else after `before_write`.
         """
         token_id, secret = parse(text) or ("", "")
 
@@ -208,9 +198,9 @@ class Service:
         return token
 
     def managed_token(self, text: str) -> ApiToken:
-        """Return the token that the management token `text` manages, be it revoked, as the bucket has it.
+        """Token, revoked or not, that the management token `text` manages, as the bucket has it.
 
-        Raises ForbiddenError, the same, and as fast, for unknown tokens and wrong secrets.
+        ForbiddenError is the same, and as fast, for unknown tokens and wrong secrets.
         """
         parts = parse(text, "cdbm")
         token = self.store.tokens.read(parts[0]) if parts else None
@@ -233,7 +223,7 @@ class Service:
         return plan(token.plan, self._plans)
 
     def token_of(self, ticket: Ticket) -> ApiToken:
-        """Return the token that opened a session; raises ForbiddenError once it is revoked."""
+        """Token that opened a session; raises ForbiddenError."""
         token = self._tokens.get(ticket.token)
         if token is None:
             raise ForbiddenError("The API token that opened this session is no longer valid.")
@@ -248,16 +238,15 @@ class Service:
         return source(self.settings.contributor_secret, address)
 
     def count_lookup(self, token: ApiToken, address: str) -> tuple[RateLimit, ...]:
-        """Count a read with an API token, in memory, and return what is left; raises TooManyError."""
+        """Count a read in memory, and return what is left; raises TooManyError."""
         return self._tokens.count_lookup(token, *self._shares(token, address))
 
     def charge(self, token: ApiToken, kind: Kind, address: str) -> tuple[RateLimit, ...]:
         """Count a call against this hour's share of the contributor, of their line, of all; TooManyError.
 
-        In this order, so that a contributor without a share left takes nothing from the others any more.
+        An exhausted contributor takes nothing from the others.
         """
-        allowed = plan(token.plan, self._plans)
-        now = self.now
+        allowed, now = self.plan_of(token), self.now
         each, together = getattr(allowed.each, kind), getattr(allowed.together, kind)
         who, line = self._shares(token, address)
         limits = [(each, who), (together, "")]
@@ -282,20 +271,7 @@ class Service:
         return self.contributor(address, token.id), network(secret, address, token.id)
 
 
-@dataclass(frozen=True)
-class _ProcessSettings:
-    """Settings of this process, and the time by `time.monotonic` until which their secrets are current."""
-
-    settings: Settings
-    until: float
-
-    @classmethod
-    def read(cls) -> _ProcessSettings:
-        variables, until = with_secrets(os.environ)
-        return cls(Settings.from_environment(variables), until)
-
-
-_settings: _ProcessSettings | None = None
+_settings: Settings | None = None
+_settings_until = 0.0  # at which secrets are read again, by `time.monotonic`
 _remembered = functools.lru_cache(maxsize=8)(Service.make)
-_of_server: Service | None = None
 _maker: Callable[[Settings], Service] = _remembered

@@ -1,4 +1,4 @@
-"""Settings of the deployment, read from the environment that the template sets."""
+"""Settings of the deployment, from the environment."""
 
 from __future__ import annotations
 
@@ -8,67 +8,39 @@ from urllib.parse import urlsplit
 
 
 class SettingsError(ValueError):
-    """The environment lacks a variable or holds nonsense; the message names the variable."""
+    """A variable is missing or invalid; the message names it."""
 
 
 @dataclass(frozen=True)
 class Thresholds:
-    """Conditions of a reliable consensus; each is an environment variable of its own.
+    """Conditions of a reliable consensus, by environment variables of these names."""
 
-    Attributes
-    ----------
-    min_calibrations, min_contributors
-        In the largest group that agrees.
-    min_share
-        Share of all calibrations in this group.
-    max_unexplained
-        Error that the others' camera may add to a member's views; `calibsolver.consensus.Rule` has the unit.
-    max_calibrations
-        Number of the newest that are pooled; more do not improve a consensus.
-    contributor_period
-        Seconds in which a contributor counts once for a camera; 0: everyone is the same contributor, as on a
-        machine of one's own, and everything counts.
-    min_votes
-        Checks that confirm a consensus of fewer calibrations, and that withdraw any.
-    min_doubt
-        Share of the contributors behind a consensus that must doubt it before it is withdrawn.
-    max_check_ratio
-        Error on fresh views / what is expected of this camera, up to which a consensus fits.
-    """
-
-    min_calibrations: int = 5
+    min_calibrations: int = 5  # in the largest group that agrees, as `min_contributors`
     min_contributors: int = 3
-    min_share: float = 0.6
-    max_unexplained: float = 0.004
-    max_calibrations: int = 200
-    contributor_period: int = 86_400
-    min_votes: int = 3
-    min_doubt: float = 0.3333
-    max_check_ratio: float = 2.0
+    min_share: float = 0.6  # of all calibrations, in this group
+    max_unexplained: float = 0.004  # as of `calibsolver.consensus.Rule`
+    max_calibrations: int = 200  # the newest, which are pooled
+    contributor_period: int = 86_400  # s in which contributors count once for a camera; 0: all are one
+    min_votes: int = 3  # of checks that confirm a consensus of fewer calibrations, or withdraw any
+    min_doubt: float = 0.3333  # share of a consensus's contributors that withdraws it
+    max_check_ratio: float = 2.0  # error on fresh views / expected error, up to which a consensus fits
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Thresholds:
-        """Read the thresholds that differ from their defaults.
+        """Read thresholds from variables, else from `THRESHOLDS`, such as `MIN_SHARE=0.7,MIN_VOTES=5`.
 
-        `THRESHOLDS` holds them as `MIN_SHARE=0.7,MIN_VOTES=5`; a variable of the same name goes over it.
-
-        Raises
-        ------
-        SettingsError
-            If a value is wrong, or THRESHOLDS names something else than a threshold.
+        Raises SettingsError.
         """
-        overrides = _overrides(environment.get("THRESHOLDS", ""))
+        values = {**_overrides(environment.get("THRESHOLDS", "")), **environment}
         read: dict[str, int | float] = {}
         for threshold in fields(cls):
             name = threshold.name.upper()
-            value = environment.get(name, overrides.get(name))
-            if value is not None:
-                least = 0 if threshold.name == "contributor_period" else 1
-                value_by_name = {name: value}
-                whole = isinstance(threshold.default, int)
-                read[threshold.name] = (
-                    _count(value_by_name, name, least) if whole else _positive(value_by_name, name)
-                )
+            if name not in values:
+                continue
+            if isinstance(threshold.default, int):
+                read[threshold.name] = _count(values, name, 0 if name == "CONTRIBUTOR_PERIOD" else 1)
+            else:
+                read[threshold.name] = _positive(values, name)
         return cls(**read)  # type: ignore[arg-type]  # by the type of the default
 
 
@@ -85,7 +57,7 @@ def _overrides(text: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings of one function; equal environments give equal settings."""
+    """Settings of one function."""
 
     table_name: str
     bucket_name: str
@@ -93,14 +65,14 @@ class Settings:
     contributor_secret: str
     guidance_url: str  # ends with "/"
     thresholds: Thresholds
-    refit_function: str | None  # set where `refit` is asked: submit, lookup, checks
+    refit_function: str | None  # of submit, lookup, checks
     region: str
-    edge_secrets: tuple[str, ...] = ()  # our CloudFront sends one of them; other proxies are not trusted
-    verify_function: str | None = None  # set where proofs of origins are asked for: tokens
-    max_new_tokens: int = 5  # a day and source that people make for themselves
+    edge_secrets: tuple[str, ...] = ()  # our CloudFront sends one of them
+    verify_function: str | None = None  # of `tokens`
+    max_new_tokens: int = 5  # per day and source
     processor_factor: float = 1.0  # processor time of a computation here / where its limits were set
     plan_factors: tuple[tuple[str, int], ...] = ()  # multiples of what all users of a token share, by plan
-    web_bucket: str | None = None  # of the public dumps: `dump` and operators
+    web_bucket: str | None = None  # of the public dumps
 
     @property
     def site_origin(self) -> str:
@@ -110,7 +82,7 @@ class Settings:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Settings:
-        """Read `environment`; raises SettingsError naming the variable that is missing or wrong."""
+        """Read `environment`; raises SettingsError."""
         secrets = tuple(s for s in _text(environment, "SESSION_SECRETS").split(",") if s)
         if not secrets:
             raise SettingsError("SESSION_SECRETS holds no secret")

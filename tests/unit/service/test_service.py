@@ -14,17 +14,9 @@ from tests.unit.service.test_settings import ENVIRONMENT
 SETTINGS = Settings.from_environment(ENVIRONMENT)
 
 
-@pytest.fixture
-def clock() -> Clock:
-    return Clock(1_700_000_000.9)
-
-
-@pytest.fixture
-def service(clock: Clock) -> Service:
-    return Service.build(SETTINGS, Store.of(SETTINGS), clock, lambda size: "ab" * size)
-
-
-def test_sessions_sort_by_their_start(service: Service, clock: Clock) -> None:
+def test_sessions_sort_by_their_start() -> None:
+    clock = Clock(1_700_000_000.9)
+    service = Service.build(SETTINGS, Store.of(SETTINGS), clock, lambda size: "ab" * size)
     token = ApiToken("dev", "")
     first = service.ticket(token, None).sid
     clock.now += 1

@@ -1,4 +1,4 @@
-"""Settings name the variable that is wrong, at the first call and not at the hundredth."""
+"""Settings: their defaults, and errors that name the variable."""
 
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -29,7 +29,6 @@ def test_settings_are_read_from_the_environment() -> None:
     assert settings.thresholds == Thresholds()
     assert settings.refit_function is None
     assert settings.region == "eu-central-1"
-    assert settings == Settings.from_environment(dict(ENVIRONMENT))
 
 
 def test_every_threshold_has_its_variable() -> None:
@@ -66,13 +65,11 @@ def test_missing_settings_are_named(name: str, value: str | None) -> None:
     ("name", "value"),
     [
         ("MIN_CALIBRATIONS", "0"),
-        ("MIN_CONTRIBUTORS", "-1"),
         ("MIN_CALIBRATIONS", "x"),
         ("MIN_CALIBRATIONS", ""),
         ("CONTRIBUTOR_PERIOD", "-1"),
         ("MIN_SHARE", "much"),
         ("MIN_SHARE", "nan"),
-        ("MAX_UNEXPLAINED", "0"),
         ("SESSION_SECRETS", ","),
         ("THRESHOLDS", "MIN_SHARE"),
         ("THRESHOLDS", "TABLE_NAME=other"),
@@ -84,11 +81,8 @@ def test_malformed_settings_are_refused(name: str, value: str) -> None:
 
 
 def test_the_thresholds_are_the_same_in_settings_and_solver() -> None:
-    """Two places, for two packages that do not know each other."""
-    thresholds = asdict(Thresholds())
-    rule = asdict(Rule())
-    assert rule.keys() <= thresholds.keys()
-    # How many contributors there must be, the solver cannot know: on one's own machine there is only one.
-    assert {n: thresholds[n] for n in rule if n != "min_contributors"} == {
-        n: value for n, value in rule.items() if n != "min_contributors"
-    }
+    rule = {
+        **asdict(Rule()),
+        "min_contributors": Thresholds().min_contributors,
+    }  # which the solver cannot know
+    assert rule.items() <= asdict(Thresholds()).items()

@@ -1,1 +1,1 @@
-"""Documents in, documents out: what functions compute. No other package of the service imports the solver."""
+"""Computations by the solver: documents in, documents out."""

@@ -1,4 +1,4 @@
-"""Calibrations and rigs as other tools' files, such files in other formats, and refits without some views."""
+"""Calibrations, rigs and files as other tools' files, and refits without some views."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from starlette.responses import Response
 
 from calibdb.camera_key.characters import visible
-from calibdb.compute.values import board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, naming, views_of
 from calibdb.errors import InvalidError
 from calibdb.http.call import Call
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
@@ -19,10 +19,9 @@ from calibdb.schema.rig import RIG_FORMATS, RigResult
 from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
 from calibsolver.formats import ExportedFile, ExportSource
 
-COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
-"""Advice in messages of the solver to those who use the operator's command line."""
-MAX_MESSAGE = 1000
-"""Characters of what the solver says about a file, which may quote the file."""
+# In messages of the solver: advice to users of the command line; and they may quote a file.
+_COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
+_MAX_MESSAGE_LENGTH = 1000
 RIG_WRITERS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
 
 
@@ -37,10 +36,8 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
         raise InvalidError.field("without", f"the calibration has no view {unknown[0]}")
     left = tuple(view for view in document.views if view.index not in without)
     views = views_of(board_of(document.board), left)
-    try:
+    with naming("without"):
         made = fit(views, document.img_size, document.distortion_model)
-    except CalibrationError as error:
-        raise InvalidError.field("without", error.message) from error
     made = with_rivals(made, views)
     described = report.describe(made, views, [view.index for view in left])
     fits = {document.distortion_model: FitRecord(**record_covered(made, Coverage.of(made, views)))}
@@ -50,23 +47,19 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
 def to_file(
     found: ReportedCalibration, document: CalibrationDocument | None, query: ExportQuery
 ) -> ExportedFile:
-    """Write the calibration as a file; raises InvalidError if the format cannot hold it."""
-    board: Board | None = None
-    views: tuple[View, ...] = ()
-    if document is not None:
-        board = board_of(document.board)
-        views = tuple(views_of(board, document.views))
-    subject = formats.ExportSource(
+    """Write the calibration as a file; raises InvalidError."""
+    source = ExportSource(
         camera=camera_of(found),
-        views=views,
-        board=board,
         name=found.camera,
         identifier=found.id or "",
         rms=found.avg_reprojection_error,
         time=found.calibration_time,
         record=found.model_dump(exclude={"report", "covariance", "board", "camera_key"}),
     )
-    try:
+    if document is not None:
+        board = board_of(document.board)
+        source = replace(source, board=board, views=tuple(views_of(board, document.views)))
+    with naming("crop" if query.crop else "resize"):
         change = image_transform.identity(found.img_size)
         if query.crop is not None:
             change = change.then(image_transform.crop(change.img_size, query.crop[:2], query.crop[2:]))
@@ -75,46 +68,41 @@ def to_file(
         change = change.then(image_transform.rotate(change.img_size, query.rotate))
         if query.mirror:
             change = change.then(image_transform.mirror(change.img_size))
-    except CalibrationError as error:
-        raise InvalidError.field("crop" if query.crop else "resize", error.message) from error
-    try:
-        return formats.write(subject, query.format, change)
-    except CalibrationError as error:
-        raise InvalidError.field("format", error.message) from error
+    with naming("format"):
+        return formats.write(source, query.format, change)
 
 
 def convert_file(request: ConvertRequest) -> ExportedFile:
-    """Return the camera of a file, written in another format.
-
-    Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
-    """
+    """Write the camera of a file in another format; raises InvalidError."""
     from calibsolver.formats.base import ReaderOptions
     from calibsolver.formats.reading import read_bytes
 
     options = ReaderOptions(
         img_size=request.img_size, number=request.number, model=request.distortion_model or ""
     )
+    content = request.file.encode()
+    if request.encoding != "text":
+        try:
+            content = base64.b64decode(request.file, validate=True)
+        except ValueError as error:
+            raise InvalidError.field("file", f"it is not base64: {error}") from error
     try:
-        camera_file = read_bytes(content_of(request), "", options)
+        camera_file = read_bytes(content, "", options)
     except CalibrationError as error:
-        said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
+        said = _COMMAND_LINE.sub("", visible(str(error)[:_MAX_MESSAGE_LENGTH]))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
     if camera_file.camera is None:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
     name = request.camera or label_text(camera_file.name) or "camera"
-    source = formats.ExportSource(
-        camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0}
-    )
+    source = ExportSource(camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
     if request.format == "photonvision" and camera_file.views:
-        source = with_corners(source, camera_file.views)
-    try:
+        source = _with_corners(source, camera_file.views)
+    with naming("format"):
         return formats.write(source, request.format)
-    except CalibrationError as error:
-        raise InvalidError.field("format", error.message) from error
 
 
-def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
-    """Make the response of a file; headers say how far it is from what was to be written."""
+def file_response(file: ExportedFile, *, with_coverage: bool = True) -> Response:
+    """Response of a file, with its deviation from the camera."""
     headers = {
         "Content-Disposition": f'attachment; filename="{file.filename}"',
         "X-Conversion-Error": f"{file.error:.6g}",
@@ -126,8 +114,8 @@ def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Respons
     return Response(file.content, 200, headers, file.media_type)
 
 
-def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
-    """Return the source with the corners that its file has: pages read them of PhotonVision's files alone."""
+def _with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
+    """Add the corners of the file: pages read only PhotonVision's."""
     from calibsolver.formats.grid import grid
 
     try:
@@ -141,18 +129,8 @@ def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
     return replace(source, board=board, views=views_on_board)
 
 
-def content_of(request: ConvertRequest) -> bytes:
-    """Return the bytes of the file."""
-    if request.encoding == "text":
-        return request.file.encode()
-    try:
-        return base64.b64decode(request.file, validate=True)
-    except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
-        raise InvalidError.field("file", f"it is not base64: {error}") from error
-
-
 def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
-    """Write a result in a format; raises InvalidError if the format cannot hold it."""
+    """Write the result of a rig as a file; raises InvalidError."""
     from calibsolver.rig import formats as rig_formats
 
     source = rig_formats.RigSource(
@@ -164,8 +142,5 @@ def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
         record=result.model_dump(),
     )
     slow = "takes longer to compute than a request may; ask for another format"
-    try:
-        with in_time(call, InvalidError.field("format", slow)):
-            return rig_formats.write(source, RIG_WRITERS[name])
-    except CalibrationError as error:
-        raise InvalidError.field("format", error.message) from error
+    with naming("format"), in_time(call, InvalidError.field("format", slow)):
+        return rig_formats.write(source, RIG_WRITERS[name])

@@ -6,21 +6,25 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from calibdb.camera_key import public_label, public_platform
 from calibdb.compute.values import board_of, camera_of, views_of
 from calibdb.rules import quality_gates
 from calibdb.rules.contributed_name import most_contributed
-from calibdb.rules.votes import Finding, OwnCamera, decide_vote, family, tally
+from calibdb.rules.votes import Finding, OwnCamera, decide_vote, expected_error, family, tally
 from calibdb.schema import (
     Calibration,
     CalibrationDocument,
     ConsensusDocument,
     FitRecord,
     GroupsDocument,
+    ShapeDocument,
+    ViewDocument,
     VoteDocument,
     Votes,
 )
+from calibdb.schema.board import Board
 from calibdb.settings import Thresholds
 from calibdb.store import StreamMode
 from calibdb.store.keys import consensus_id
@@ -31,6 +35,28 @@ from calibsolver.fitting.coverage import record_covered
 from calibsolver.fitting.resection import reprojection_score
 
 
+@dataclass(frozen=True)
+class MeasuredViews:
+    """Fresh views without misread corners."""
+
+    views: tuple[ViewDocument, ...]
+    noise: float
+    """px rms under a camera fitted to them."""
+    own: FitRecord | None
+    """That camera; None if part of the image is undetermined."""
+    board_shape: ShapeDocument | None
+    """Shape of the board that both refer to; None: as drawn."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """Score of a consensus on views; `fits`: None if they do not tell."""
+
+    fits: bool | None
+    error: float  # px
+    expected: float  # px
+
+
 def pool(
     mode: StreamMode,
     documents: Sequence[CalibrationDocument],
@@ -38,7 +64,7 @@ def pool(
     thresholds: Thresholds,
     pool_digest: str,
 ) -> tuple[ConsensusDocument, GroupsDocument]:
-    """Pool `documents`, all of one mode, before any vote: their consensus, and its groups and errors."""
+    """Pool the calibrations of a mode: their consensus before any vote, and its groups."""
     stored = functools.partial(
         ConsensusDocument,
         camera_key=mode.camera_key,
@@ -49,8 +75,10 @@ def pool(
         latest=max((d.time for d in documents), default=0),
         pooled=pool_digest,
     )
-    members = [one for d in documents if (one := member(d)) is not None]
-    pooled, rule = functools.partial(consensus.pool, members, mode.img_size, model), rule_of(thresholds)
+    members = [one for d in documents if (one := _member(d)) is not None]
+    names = [field.name for field in dataclasses.fields(consensus.Rule)]
+    rule = consensus.Rule(**{name: getattr(thresholds, name) for name in names})
+    pooled = functools.partial(consensus.pool, members, mode.img_size, model)
     try:
         agreed = pooled(rule)
     except CalibrationError:
@@ -66,15 +94,15 @@ def pool(
         calibration_time=max(d.time for d in group),
         calibrations=len(agreed.members),
         contributors=agreed.contributors,
-        spread=none_beyond_image(agreed.spread, mode.img_size),
-        held_out_error=none_beyond_image(agreed.held_out_error, mode.img_size),
+        spread=_limited(agreed.spread, mode),
+        held_out_error=_limited(agreed.held_out_error, mode),
     )
     confirmable = quality_gates.is_confirmable(calibration) and (
         agreed.reason == "few_contributors"
-        or (agreed.reason == "too_few" and is_consistent(agreed, pooled, rule))
+        or (agreed.reason == "too_few" and _is_consistent(agreed, pooled, rule))
     )
-    sizes = ((name, none_beyond_image(error, mode.img_size)) for name, error in agreed.member_errors.items())
-    errors = {name: error for name, error in sizes if error is not None}
+    limited = {name: _limited(error, mode) for name, error in agreed.member_errors.items()}
+    errors = {name: error for name, error in limited.items() if error is not None}
     return (
         stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
         GroupsDocument(
@@ -86,12 +114,28 @@ def pool(
     )
 
 
-def is_consistent(
+def _is_consistent(
     agreed: consensus.Consensus, pool: Callable[[consensus.Rule], consensus.Consensus], rule: consensus.Rule
 ) -> bool:
-    """True if few calibrations would make a reliable consensus if they were enough."""
+    """True if only the number of calibrations is too small."""
     few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
     return agreed.consistent if rule.min_contributors < 2 else pool(few).reliable
+
+
+def score(board: Board, measured: MeasuredViews, consensus: Calibration, max_ratio: float) -> Score:
+    """Score a consensus on views; only the poses are fitted to them."""
+    camera, (width, height), own, same_model = camera_of(consensus), consensus.img_size, None, False
+    views = views_of(board_of(board), measured.views)
+    if measured.board_shape is not None:
+        shape = BoardShape.from_record(measured.board_shape.model_dump())
+        views = [shape.apply(view) for view in views]
+    error = reprojection_score(camera, views).rms
+    if measured.own is not None:
+        by_itself = camera_of(measured.own)
+        own = OwnCamera(difference(camera, by_itself), measured.own.uncertainty.rms)
+        same_model = by_itself.model == camera.model
+    says = decide_vote(error, measured.noise, width, max_ratio, own, same_model=same_model)
+    return Score(says, min(error, math.hypot(width, height)), expected_error(measured.noise, width))
 
 
 def count(
@@ -100,42 +144,23 @@ def count(
     sources: frozenset[str],
     thresholds: Thresholds,
 ) -> Votes:
-    """Score the views of every vote under the consensus as it is now, and count."""
+    """Count the votes by the scores of their views."""
     calibration = document.calibration
     if calibration is None:
         return Votes()
-    camera = camera_of(calibration)
-    width, ratio = document.img_size[0], thresholds.max_check_ratio
     findings = []
     for vote in votes:
-        views = views_of(board_of(vote.board), vote.views)
-        if vote.board_shape is not None:
-            shape = BoardShape.from_record(vote.board_shape.model_dump())
-            views = [shape.apply(view) for view in views]
-        error, own, same = reprojection_score(camera, views).rms, None, False
-        if vote.fit is not None:
-            by_itself = camera_of(vote.fit)
-            own = OwnCamera(difference(camera, by_itself), vote.fit.uncertainty.rms)
-            same = by_itself.model == camera.model
-        says = decide_vote(error, vote.noise, width, ratio, own, same_model=same)
-        if says is not None:
-            findings.append(Finding(vote.counted_as, vote.time, says))
+        measured = MeasuredViews(vote.views, vote.noise, vote.fit, vote.board_shape)
+        fits = score(vote.board, measured, calibration, thresholds.max_check_ratio).fits
+        if fits is not None:
+            findings.append(Finding(vote.counted_as, vote.time, fits))
     return tally(
         findings, calibration.calibration_time, sources, one_per_source=thresholds.contributor_period > 0
     )
 
 
-def rule_of(thresholds: Thresholds) -> consensus.Rule:
-    """Make the solver's rule of the deployment's thresholds."""
-    names = [field.name for field in dataclasses.fields(consensus.Rule)]
-    return consensus.Rule(**{name: getattr(thresholds, name) for name in names})
-
-
-def member(document: CalibrationDocument) -> consensus.Member | None:
-    """Convert the keypoints of one calibration for the solver; None if they are not of their board.
-
-    No session ends like that. An imported calibration may, and must not stand in the way of the others.
-    """
+def _member(document: CalibrationDocument) -> consensus.Member | None:
+    """Calibration for the solver; None if its corners are not of its board, as of imports."""
     try:
         views = tuple(views_of(board_of(document.board), document.views))
         return consensus.Member(document.id, document.counted_as, views, family(document.counted_as))
@@ -143,6 +168,6 @@ def member(document: CalibrationDocument) -> consensus.Member | None:
         return None
 
 
-def none_beyond_image(px: float, img_size: tuple[int, int]) -> float | None:
-    """Return a length; None if it is NaN or larger than the image, so that nothing is explained."""
-    return px if px <= math.hypot(*img_size) else None
+def _limited(px: float, mode: StreamMode) -> float | None:
+    """Length; None if it is NaN or larger than the image."""
+    return px if px <= math.hypot(*mode.img_size) else None

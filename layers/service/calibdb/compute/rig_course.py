@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 
-from calibdb.compute.session_course import finished, without_views
-from calibdb.compute.values import FIT_VERSION, in_time
+from calibdb.compute.session_course import Course
+from calibdb.compute.values import in_time
 from calibdb.errors import ConflictError
+from calibdb.http import metrics
 from calibdb.http.call import Call
 from calibdb.rules import rig_result, rig_rules
 from calibdb.rules.rig_state import Rig, state
@@ -17,27 +18,25 @@ from calibdb.schema import RigDocument, RigEstimateDocument, RigFinish, RigState
 from calibdb.schema.rig_documents import EndingDocument
 from calibdb.store import Store, endings
 from calibdb.store.ports import READERS
-from calibsolver import CalibrationError, DeadlineError
+from calibsolver import FIT_VERSION, CalibrationError, DeadlineError
 from calibsolver.rig import estimate
 
-TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
+_TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
 
 
-def computing_moments(call: Call) -> AbstractContextManager[None]:
-    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
-    return in_time(call, ConflictError(TOO_SLOW, kind="too-slow"))
+def _computing_moments(call: Call) -> AbstractContextManager[None]:
+    return in_time(call, ConflictError(_TOO_SLOW, kind="too-slow"))
 
 
 def load(store: Store, rig_id: str) -> tuple[Rig, str]:
-    """Read a running rig and the tag of its state; raises NotFoundError."""
+    """Running rig and the tag of its state; raises NotFoundError."""
     document, version = store.rigs.get_version(rig_id)
-    sessions = _sessions(store, document)
-    versions = [version for _, version in sessions]
-    return Rig(document, tuple(session for session, _ in sessions)), _tag(version, versions)
+    sessions, versions = zip(*_sessions(store, document), strict=True)
+    return Rig(document, sessions), _tag(version, versions)
 
 
 def head_tag(store: Store, rig_id: str) -> str | None:
-    """Return the tag of a running rig's state from the index only, None if it does not run."""
+    """Tag of a running rig's state, from the index; None if it does not run."""
     head = store.rigs.head(rig_id)
     if head is None or head.forgotten:
         return None
@@ -46,28 +45,32 @@ def head_tag(store: Store, rig_id: str) -> str | None:
     return _tag(head.version, versions)
 
 
-def ensure_estimate(call: Call, store: Store, rig: Rig) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does.
+def ensure_estimate(call: Call, rig: Rig) -> RigEstimateDocument:
+    """Fit and target of a rig; computing them counts as a view.
 
-    Raises ConflictError if these moments take too long, now or before (`too_slow`).
+    Raises ConflictError if these moments take or took too long.
     """
-    basis = rig.basis(FIT_VERSION)
+    rigs, basis = call.store.rigs, rig.basis(FIT_VERSION)
     digest = rig.digest(basis)
-    stored = store.rigs.estimate(rig.document.rig, digest)
+    stored = rigs.estimate(rig.document.rig, digest)
     if stored is None:
-        computed = call.charged(estimate, DeadlineError)(rig.solver_record(basis))
-        stored = RigEstimateDocument.model_validate(computed)
-        store.rigs.keep_estimate(rig.document.rig, digest, stored)
+        call.charge_view()
+        try:
+            stored = RigEstimateDocument.model_validate(estimate(rig.solver_record(basis)))
+        except DeadlineError:
+            if call.processor_s_left > 0:
+                raise  # on a busy machine
+            metrics.count(ComputeTimeouts=1)
+            stored = RigEstimateDocument(too_slow=True)
+        rigs.keep_estimate(rig.document.rig, digest, stored)
     if stored.too_slow:
-        raise ConflictError(TOO_SLOW, kind="too-slow")
+        raise ConflictError(_TOO_SLOW, kind="too-slow")
     return stored
 
 
-def state_of(call: Call, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
-    """Return state and tag of a rig, running or finished; raises NotFoundError.
-
-    `running`: False leaves out fit and target of a rig that is not finished.
-    """
+def state_of(call: Call, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
+    """State and tag of a rig, with fit and target if `running`; raises NotFoundError."""
+    store = call.store
     document = store.rigs.find(rig_id)
     ended = document.finish.calibration if document and document.finish else None
     if document is None:
@@ -77,25 +80,24 @@ def state_of(call: Call, store: Store, rig_id: str, *, running: bool = True) -> 
     rig, tag = load(store, rig_id)
     if not running:
         return state(rig, RigEstimateDocument()), tag
-    with computing_moments(call):
-        return state(rig, ensure_estimate(call, store, rig)), tag
+    with _computing_moments(call):
+        return state(rig, ensure_estimate(call, rig)), tag
 
 
-def skip(call: Call, store: Store, rig_id: str, leader: str, now: int) -> None:
-    """Note that the target is not wanted; raises ForbiddenError for others than the leader."""
-    rig, _ = load(store, rig_id)
+def skip(call: Call, rig_id: str, leader: str) -> None:
+    """Note that the target is not wanted; raises ForbiddenError."""
+    rig, _ = load(call.store, rig_id)
     rig_rules.require_leader(rig.document, leader)
     rig_rules.require_open(rig.document)
     basis = rig.basis(FIT_VERSION)
-    with computing_moments(call):
-        current = ensure_estimate(call, store, rig)
-    store.rigs.revise(
-        rig.document.rig, now, lambda document: rig_rules.with_skip(document, basis, current.target_pose)
-    )
+    with _computing_moments(call):
+        pose = ensure_estimate(call, rig).target_pose
+    call.store.rigs.revise(rig_id, call.now, lambda document: rig_rules.with_skip(document, basis, pose))
 
 
-def undo_moment(call: Call, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
-    """Undo a moment in all cameras. Views of it that come late do not count."""
+def undo_moment(call: Call, rig_id: str, leader: str, moment: str) -> None:
+    """Undo a moment in all cameras."""
+    store, now = call.store, call.now
 
     def change(document: RigDocument) -> RigDocument | None:
         rig_rules.require_leader(document, leader)
@@ -106,21 +108,19 @@ def undo_moment(call: Call, store: Store, rig_id: str, leader: str, moment: str,
         elsewhere = session.rig is None or session.rig.id != rig_id
         if elsewhere or len(left) == len(session.views) or session.finish is not None:
             return None
-        return without_views(session, left, now, with_target=False)
+        return Course(session, now).without_views(left, with_target=False)
 
     store.rigs.revise(rig_id, now, change)
     rig, _ = load(store, rig_id)
-    with computing_moments(call):
+    with _computing_moments(call):
         for _, session in rig.present:
             if any(view.moment == moment for view in session.views):
                 store.sessions.revise(session.session, now, without)
 
 
-def finish(call: Call, store: Store, rig_id: str, leader: str, now: int) -> int:
-    """End a rig with the moments that agree: fix its result, then publish it and its cameras.
-
-    Returns the number of calibrations, 0 if it had ended.
-    """
+def finish(call: Call, rig_id: str, leader: str) -> int:
+    """End a rig and publish it; return the number of calibrations, 0 if it had ended."""
+    store, now = call.store, call.now
     document, ended = store.rigs.find(rig_id), 0
     if document is None:
         return 0
@@ -139,8 +139,7 @@ def finish(call: Call, store: Store, rig_id: str, leader: str, now: int) -> int:
 
 
 def _end(call: Call, rig: Rig, now: int) -> RigFinish:
-    """Decide on everything that the end of a rig is to be."""
-    with computing_moments(call):
+    with _computing_moments(call):
         record = rig.solver_record(rig.basis(FIT_VERSION))
         estimate_document = RigEstimateDocument(**estimate(record, final=True))
         fit = rig_result.require_finishable(rig, estimate_document)
@@ -155,15 +154,15 @@ def _end(call: Call, rig: Rig, now: int) -> RigFinish:
 
 
 def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
-    """Decide on the end of one camera's session, with its views of the moments that count."""
     counted = {name for name, _ in rig.moments()}
     views = tuple(view for view in session.views if view.moment in counted)
     with_counted = session.model_copy(update={"views": views})
-    return rig_rules.ending_of(finished(with_counted, now, session.contributor or "", session.source))
+    course = Course(with_counted, now, session.contributor or "", session.source)
+    return rig_rules.ending_of(course.finished())
 
 
 def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:
-    """Read the sessions of a rig by position, with their versions."""
+    """Sessions of a rig by position, with their versions or 0."""
     names = [member.session if member else "" for member in document.members]
 
     def read(name: str) -> tuple[SessionDocument | None, int]:

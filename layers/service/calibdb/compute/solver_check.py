@@ -10,7 +10,7 @@ _FX, _IMG_SIZE = 950.0, (1280, 720)
 
 
 def solve() -> None:
-    """Fit a camera to computed views; raises ValueError if another camera comes out."""
+    """Fit a known camera to computed views; raises ValueError."""
     matrix = np.array([[_FX, 0.0, 640.0], [0.0, _FX, 360.0], [0.0, 0.0, 1.0]])
     camera = Camera("rectilinear", matrix, np.zeros(5), _IMG_SIZE)
     points = Board().points

@@ -1,4 +1,4 @@
-"""Target pose of a session: chosen, and drawn as its camera sees it."""
+"""Target pose of a session: its choice and picture."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
 
-from calibdb.compute.session_course import open_target
-from calibdb.compute.session_values import Session, current_camera, target_poses
-from calibdb.compute.values import in_time
+from calibdb.compute.session_course import Session, current_camera, open_target, target_poses
+from calibdb.compute.values import camera_of, in_time
 from calibdb.errors import ConflictError
 from calibdb.http.call import Call
 from calibdb.rules import session_rules
@@ -23,7 +22,7 @@ PictureFormat = Literal["jpeg", "png"]
 
 @contextmanager
 def choosing_target(call: Call) -> Iterator[None]:
-    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
+    """Limit the time; raises ConflictError or UnavailableError."""
     slow = "The views take longer to compute than a request may; undo one."
     try:
         with in_time(call, ConflictError(slow, kind="too-slow")):
@@ -49,41 +48,34 @@ class DrawnTarget:
 
     @classmethod
     def of_rig(cls, document: SessionDocument, target: RigTarget, fit: FitRecord | None) -> DrawnTarget:
-        """Draw the target of the rig that a session is in, for its camera.
-
-        `fit`: of the camera in the rig; None: the session's own. Raises ConflictError if the target is for
-        other cameras.
-        """
+        """Draw the target of the session's rig; raises ConflictError if it is for other cameras."""
         position = None if document.rig is None else document.rig.position
         view = next((one for one in target.cameras if one.position == position), None)
         if view is None:
             raise not_in_view()
         rules = Session.of(document).rules
-        if fit is not None:
-            document = document.model_copy(
-                update={"estimate": document.estimate.model_copy(update={"fit": fit})}
-            )
+        camera = current_camera(document, rules) if fit is None else camera_of(fit)
         values = {**view.model_dump(), "purpose": target.purpose, "gain": 0.0}
-        return cls(rules.board, current_camera(document, rules), TargetPose.from_dict(values))
+        return cls(rules.board, camera, TargetPose.from_dict(values))
 
     def pose(self, index: int) -> Pose:
-        """Return the target as numbers; `index`: of the view that answers it."""
+        """Target as numbers; `index`: of the view that answers it."""
         return Pose.model_validate({**self.target.to_dict(), "index": index})
 
     def picture(self, kind: PictureFormat) -> bytes:
-        """Draw the target as a picture to lay over the video."""
+        """Picture to lay over the video."""
         return overlay.render(self.board, self.camera, self.target, kind)
 
 
 def not_in_view() -> ConflictError:
-    """Make the error of a camera that the rig's target is not for."""
+    """Error of a target for other cameras."""
     return ConflictError(
         "This camera is not to see the board now: the target is for others.", kind="not-in-view"
     )
 
 
 def with_chosen_target(document: SessionDocument) -> SessionDocument:
-    """Open the target that helps most, unlike those that the user did not want."""
+    """Open the best target, except unwanted ones."""
     session = Session.of(document)
     skipped, unreached = map(target_poses, (document.skipped, document.unreached))
     target = session.rules.next_target(session.views, session.estimate(), skipped, unreached)

@@ -7,22 +7,20 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from calibdb.errors import CalibdbError
+from calibdb.errors import CalibdbError, InvalidError
 from calibdb.http.call import Call
 from calibdb.schema.board import Board as BoardDocument
 from calibdb.schema.calibration import Intrinsics
 from calibdb.schema.documents import ViewDocument
 from calibdb.schema.observed_corners import ObservedCorners
-from calibsolver import FIT_VERSION, Board, Camera, DeadlineError, View, deadline
-
-__all__ = ["FIT_VERSION", "board_of", "camera_of", "in_time", "time_limit", "views_of"]
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline
 
 time_limit = deadline.limit
 
 
 @contextmanager
 def in_time(call: Call, late: CalibdbError) -> Iterator[None]:
-    """Compute in the time of a call; raises `late`, or UnavailableError if the machine was busy."""
+    """Compute in the time of a call; raises `late`, or UnavailableError on a busy machine."""
     try:
         with deadline.limit(call.seconds_left):
             yield
@@ -30,13 +28,22 @@ def in_time(call: Call, late: CalibdbError) -> Iterator[None]:
         raise call.out_of_time(late) from error
 
 
+@contextmanager
+def naming(field: str) -> Iterator[None]:
+    """Raise CalibrationError as InvalidError of a field."""
+    try:
+        yield
+    except CalibrationError as error:
+        raise InvalidError.field(field, error.message) from error
+
+
 def board_of(document: BoardDocument) -> Board:
-    """Convert a board; raises ValueError for one that cannot exist."""
+    """Board of the solver; raises ValueError."""
     return Board.from_record(document.model_dump())
 
 
 def camera_of(document: Intrinsics) -> Camera:
-    """Convert the camera of a fit or calibration; raises CalibrationError for an unknown model."""
+    """Camera of a fit or calibration; raises CalibrationError."""
     return Camera(
         document.distortion_model,
         np.asarray(document.camera_matrix, dtype=np.float64),
@@ -46,5 +53,5 @@ def camera_of(document: Intrinsics) -> Camera:
 
 
 def views_of(board: Board, documents: Sequence[ViewDocument | ObservedCorners]) -> list[View]:
-    """Convert the corners of views; raises ValueError for ids that are not on the board."""
+    """Views of corners; raises ValueError for ids that are not on the board."""
     return [board.view(document.ids, document.points) for document in documents]

@@ -1,17 +1,15 @@
-"""Checks of a camera on fresh views: of a consensus, or of a calibration that the request gives."""
+"""Checks of a consensus, or of a given calibration, on fresh views."""
 
 from __future__ import annotations
 
 import math
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 
-from calibdb.compute.values import board_of, camera_of, in_time, views_of
+from calibdb.compute.pooled_consensus import MeasuredViews
+from calibdb.compute.values import board_of, camera_of, in_time, naming, views_of
 from calibdb.errors import FieldError, InvalidError
 from calibdb.http.call import Call
-from calibdb.rules.votes import OwnCamera, decide_vote, expected_error
 from calibdb.schema import (
-    Calibration,
     CheckRequest,
     ComparisonAnswer,
     FitRecord,
@@ -19,12 +17,9 @@ from calibdb.schema import (
     ShapeDocument,
     ViewDocument,
 )
-from calibsolver import CalibrationError, View, fit
+from calibsolver import View, fit
 from calibsolver.capture.admission import rejection_reason
-from calibsolver.consensus import difference
 from calibsolver.consensus.comparison import compare
-from calibsolver.fitting.board_shape import BoardShape
-from calibsolver.fitting.resection import reprojection_score
 
 _MIN_POINTS = 4  # for a pose
 _UNFIT = {
@@ -34,93 +29,41 @@ _UNFIT = {
 }
 
 
-@dataclass(frozen=True)
-class MeasuredViews:
-    """Fresh views, measured without the consensus.
-
-    Attributes
-    ----------
-    views
-        By view ids (n,) and points (n, 2) px, without those that no camera explains: misread corners.
-    noise
-        px rms of these under a camera fitted to them.
-    own
-        The camera fitted to them; None if they say nothing of some part of the image.
-    board_shape
-        Shape of the board that both refer to; None: as drawn.
-    """
-
-    views: tuple[ViewDocument, ...]
-    noise: float
-    own: FitRecord | None
-    board_shape: ShapeDocument | None
-
-
-@dataclass(frozen=True)
-class Score:
-    """Score of a consensus on views; `fits`: None if they are too noisy to say."""
-
-    fits: bool | None
-    error: float  # px
-    expected: float  # px
-
-
 def computing_check(call: Call) -> AbstractContextManager[None]:
-    """Compute in the time of the call; raises InvalidError or UnavailableError if that is too short."""
+    """Limit the time; raises InvalidError or UnavailableError."""
     slow = "take longer to compute than a request may; send fewer corners in each"
     return in_time(call, InvalidError.field("views", slow))
 
 
-def score(request: CheckRequest, examined: MeasuredViews, consensus: Calibration, max_ratio: float) -> Score:
-    """Score a consensus on views; only the poses are fitted to them."""
-    camera, width = camera_of(consensus), request.img_size[0]
-    views = views_of(board_of(request.board), examined.views)
-    if examined.board_shape is not None:
-        shape = BoardShape.from_record(examined.board_shape.model_dump())
-        views = [shape.apply(view) for view in views]
-    error = min(reprojection_score(camera, views).rms, math.hypot(*request.img_size))
-    own = None
-    if examined.own is not None:
-        own = OwnCamera(difference(camera, camera_of(examined.own)), examined.own.uncertainty.rms)
-    says = decide_vote(error, examined.noise, width, max_ratio, own, same_model=True)
-    return Score(says, error, expected_error(examined.noise, width))
-
-
 def check_given(request: CheckRequest, given: GivenCalibration) -> ComparisonAnswer:
-    """Compare a given calibration with a fit of the views; raises InvalidError if either is unusable."""
+    """Compare a calibration with a fit of the views; raises InvalidError."""
     if given.img_size != request.img_size:
         raise InvalidError.field("calibration.img_size", "the views have another size")
-    try:
+    with naming("calibration"):
         camera = camera_of(given)
-    except CalibrationError as error:
-        raise InvalidError.field("calibration", error.message) from error
     if min(camera.focal) <= 0:
         raise InvalidError.field("calibration.camera_matrix", "the focal lengths must be positive")
-    try:
-        result = compare(camera, usable_views(request))
-    except CalibrationError as error:
-        raise InvalidError.field("views", error.message) from error
-    finite = (
-        px if math.isfinite(px) else None for px in (result.error, result.drift, result.drift_uncertainty)
-    )
-    rms, drift, uncertainty = finite
+    with naming("views"):
+        result = compare(camera, _usable_views(request))
     return ComparisonAnswer(
         fits="fits" if result.fits else "does_not_fit",
-        error=rms,
+        error=_finite(result.error),
         expected=result.expected,
-        drift=drift,
-        drift_uncertainty=uncertainty,
+        drift=_finite(result.drift),
+        drift_uncertainty=_finite(result.drift_uncertainty),
         views=result.views,
     )
 
 
+def _finite(px: float) -> float | None:
+    return px if math.isfinite(px) else None
+
+
 def examine(request: CheckRequest) -> MeasuredViews:
-    """Fit a camera to the views alone; raises InvalidError if there is none that believably took them."""
-    views = usable_views(request)
-    try:
+    """Fit a camera to the views only; raises InvalidError."""
+    views = _usable_views(request)
+    with naming("views"):
         own = fit(views, request.img_size, request.distortion_model)
-    except CalibrationError as error:
-        raise InvalidError.field("views", error.message) from error
     usable = [
         ViewDocument(
             index=n,
@@ -138,8 +81,7 @@ def examine(request: CheckRequest) -> MeasuredViews:
     return MeasuredViews(tuple(usable), math.sqrt(2) * own.noise, record, shape)
 
 
-def usable_views(request: CheckRequest) -> list[View]:
-    """Return the views for the solver; raises InvalidError for those that cannot show a board."""
+def _usable_views(request: CheckRequest) -> list[View]:
     views = views_of(board_of(request.board), request.views)
     reasons = [rejection_reason(view, request.img_size) for view in views]
     wrong = [

@@ -1,6 +1,6 @@
-"""Angles of a pinhole: diagonal, horizontal and vertical fields of view, focal lengths, and their logarithm.
+"""Fields of view and focal lengths of a pinhole.
 
-Evidence is combined as the logarithm of the tangent of half the horizontal angle: zoom and crop add to it.
+Zoom and crop add to the logarithm of the tangent of half the horizontal angle.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ MIN_LOG_TAN, MAX_LOG_TAN = math.log(math.tan(math.radians(1))), math.log(math.ta
 _FILM_DIAGONAL_MM = math.hypot(36, 24)
 
 
-def half_tangent(angle: float) -> float:
-    """Tangent of half an angle, degrees; raises ValueError for one that no pinhole has."""
+def _half_tangent(angle: float) -> float:
     if not 0 < angle < 180:
         raise ValueError(f"no field of view: {angle}")
     return math.tan(math.radians(angle) / 2)
@@ -24,14 +23,8 @@ def half_tangent(angle: float) -> float:
 def log_tan(quantity: str, value: float, size: Size) -> float:
     """Logarithm of the tangent of half the horizontal angle.
 
-    Parameters
-    ----------
-    quantity
-        `hfov`, `vfov`, `dfov` in degrees; `fx`, px; `f35`, mm: by the diagonal of 35 mm film.
-    value
-        Value of that quantity.
-    size
-        Width and height, px or in any unit.
+    `quantity`: `hfov`, `vfov`, `dfov` in degrees; `fx`, px; `f35`, mm: by the diagonal of 35 mm film. `size`:
+    in px for `fx`, else in any unit.
     """
     return math.log(_TANGENTS[quantity](value, *size))
 
@@ -44,15 +37,15 @@ def log_tan_sigma(quantity: str, value: float, sigma: float, size: Size) -> floa
 
 
 def horizontal_angle(log_tangent: float) -> float:
-    """Horizontal field of view, degrees; the logarithm is limited to fields from 2 to 170 degrees."""
+    """Horizontal field of view, limited to 2 to 170 degrees."""
     limited = min(max(log_tangent, MIN_LOG_TAN), MAX_LOG_TAN)
     return 2 * math.degrees(math.atan(math.exp(limited)))
 
 
 _TANGENTS: dict[str, Callable[[float, float, float], float]] = {
     "fx": lambda v, w, _: w / (2 * v),
-    "hfov": lambda v, _w, _h: half_tangent(v),
-    "vfov": lambda v, w, h: half_tangent(v) * w / h,
-    "dfov": lambda v, w, h: half_tangent(v) * w / math.hypot(w, h),
+    "hfov": lambda v, _w, _h: _half_tangent(v),
+    "vfov": lambda v, w, h: _half_tangent(v) * w / h,
+    "dfov": lambda v, w, h: _half_tangent(v) * w / math.hypot(w, h),
     "f35": lambda v, w, h: _FILM_DIAGONAL_MM / (2 * v) * w / math.hypot(w, h),
 }

@@ -1,7 +1,6 @@
-"""Relation of a field of view at one size to that at another: aspect, crop and zoom, with uncertainties.
+"""Relation of the fields of view at two sizes: aspect, crop and zoom.
 
-A mode of another aspect keeps the height (slope 1: the sides are cut, or added) or the width (slope 0), or
-something between; cameras that cut more are in the standard deviation.
+A mode of another aspect keeps the height (slope 1), the width (slope 0), or something between.
 """
 
 from __future__ import annotations
@@ -10,8 +9,8 @@ import math
 
 from calibdb.estimate.angles import Size
 
-# Slope of log tan(hfov / 2) by the log of the aspect: mean and standard deviation over models, of which the
-# table has both aspects (docs/estimates.md); and the deviation between two sizes of one aspect.
+# Slope of log tan(hfov / 2) by the log of the aspect, its standard deviation over models with both aspects
+# (docs/estimates.md), and the deviation between two sizes of one aspect.
 SLOPES: dict[str, tuple[float, float, float]] = {
     "usb_webcam": (0.85, 0.3, 0.015),
     "laptop_builtin": (0.6, 0.4, 0.03),
@@ -38,7 +37,7 @@ _MAX_FACTOR = 20
 
 
 def aspect_log(size: Size) -> float:
-    """Logarithm of the longer side over the shorter: a phone that is turned keeps its picture."""
+    """Logarithm of the longer side over the shorter."""
     return math.log(max(size) / min(size))
 
 
@@ -60,7 +59,7 @@ def zoom_change(zoom: float) -> tuple[float, float]:
     """Change of `log_tan` by a track's zoom, and its standard deviation; 0 and 1 change nothing."""
     factor = zoom / _PERCENT if zoom >= _PERCENT else zoom
     if not 1 < factor <= _MAX_FACTOR:
-        # 0: the browser reports none. Below 1: an ultra-wide camera. Beyond: of no known unit.
+        # 0: not reported. Below 1: an ultra-wide camera. Beyond: of no known unit.
         return 0.0, 0.0 if zoom in (0, 1, _PERCENT) else 0.4
     always, by_log = _ZOOM_SIGMA
     return -math.log(factor), always + by_log * math.log(factor)

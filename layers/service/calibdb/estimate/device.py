@@ -1,4 +1,4 @@
-"""Kind of device behind a label: built-in, USB webcam, phone's rear or front camera, and the like."""
+"""Kind of device behind a label."""
 
 from __future__ import annotations
 
@@ -14,28 +14,11 @@ _ACTION = frozenset(
     {"gopro", "hero", "osmo", "insta360", "runcam", "caddx", "foxeer", "akaso", "sjcam", "eken", "firefly"}
 )
 _DRONES = frozenset({"mavic", "phantom", "inspire", "skydio", "anafi", "dji"})
-_BUILT_IN = frozenset(
-    {
-        "integrated",
-        "integrierte",
-        "intégrée",
-        "integrata",
-        "integrada",
-        "built",
-        "internal",
-        "laptop",
-        "notebook",
-        "facetime",
-        "macbook",
-        "imac",
-        "truevision",
-        "easycamera",
-        "bisoncam",
-        "surface",
-        "crystal",
-        "isight",
-    }
-)
+_BUILT_IN = frozenset({
+    "integrated", "integrierte", "intégrée", "integrata", "integrada", "built", "internal", "laptop",
+    "notebook", "facetime", "macbook", "imac", "truevision", "easycamera", "bisoncam", "surface",
+    "crystal", "isight",
+})  # fmt: skip
 _PHONES = re.compile(r"\b(?:iphone|ipod|pixel|galaxy|redmi|poco|oneplus|xperia|huawei|sm-[a-z0-9]+)\b")
 _TABLETS = re.compile(r"\b(?:ipad|tab|tablet)\b")
 _HEADSETS = frozenset({"quest", "hololens"})
@@ -62,29 +45,13 @@ _FRONT = frozenset({"front", "user", "truedepth", "selfie"})
 
 @dataclass(frozen=True)
 class Device:
-    """Device as its label and platform describe it.
+    """Device by its label and platform; empty texts are unknown."""
 
-    Attributes
-    ----------
-    kind
-        Key of `crops.SLOPES`; `webcam` where it may be built in or not.
-    maker
-        Empty if the label does not name it.
-    camera
-        Camera of a phone or tablet: `wide`, `ultrawide`, `tele`, `front`; else empty.
-    model_ids
-        Identifiers of a phone's model, lower case.
-    label_words
-        Words of the label and of the phone's model.
-    usb_id
-        As in `Identity`.
-    """
-
-    kind: str
+    kind: str  # a key of `crops.SLOPES`; `webcam`: built in or not
     maker: str = ""
-    camera: str = ""
-    model_ids: frozenset[str] = frozenset()
-    label_words: frozenset[str] = frozenset()
+    camera: str = ""  # of a phone or tablet: `wide`, `ultrawide`, `tele`, `front`
+    model_ids: frozenset[str] = frozenset()  # of a phone, lower case
+    label_words: frozenset[str] = frozenset()  # with those of the phone's model
     usb_id: str | None = None
 
 
@@ -119,11 +86,10 @@ def _kind_and_camera(
         return _mobile_camera(system, text, label_words)
     if system.is_file:
         return "photo_camera", ""
-    lid = identity.usb_id is not None and identity.usb_id[:4] in _LID_VENDORS
-    if label_words & _BUILT_IN or lid:
+    vendor = (identity.usb_id or "")[:4]
+    if label_words & _BUILT_IN or vendor in _LID_VENDORS:
         return "laptop_builtin", ""
-    makers = identity.usb_id is not None and identity.usb_id[:4] in _VENDORS
-    return ("usb_webcam" if makers or identity.distinct else "webcam"), ""
+    return ("usb_webcam" if vendor in _VENDORS or identity.distinct else "webcam"), ""
 
 
 def _mobile_camera(system: System, text: str, label_words: frozenset[str]) -> tuple[str, str]:
@@ -138,8 +104,9 @@ def _mobile_camera(system: System, text: str, label_words: frozenset[str]) -> tu
 
 
 def _maker(identity: Identity, text: str, phone: str) -> str:
-    if identity.usb_id is not None and identity.usb_id[:4] in _VENDORS:
-        return _VENDORS[identity.usb_id[:4]]
+    vendor = (identity.usb_id or "")[:4]
+    if vendor in _VENDORS:
+        return _VENDORS[vendor]
     for maker, pattern in _PHONE_MAKERS:
         if pattern.search(phone) or pattern.search(text):
             return maker

@@ -1,4 +1,4 @@
-"""Estimator: all evidence about one camera at one size, combined with an interval."""
+"""Combination of all evidence about one camera at one size."""
 
 from __future__ import annotations
 
@@ -15,58 +15,39 @@ from calibdb.estimate.device import Device, device_of
 from calibdb.estimate.evidence import Evidence, combine
 from calibdb.estimate.knowledge import Knowledge, default_knowledge
 from calibdb.estimate.population import Population
+from calibdb.schema import FitRecord, Uncertainty
 from calibdb.schema.estimate import Estimate, EstimateBasis, EstimateInterval
 
 _BASES: tuple[EstimateBasis, ...] = (
     *("calibrations", "views", "device", "other_size", "published", "family", "population"),
 )
+_ZEROS = {"rectilinear": 5, "rational": 8, "fisheye": 4}  # coefficients of a lens without distortion
 _QUANTILE = 1.645  # of the normal distribution, 95 %
 _PRIOR_WIDENING = 2.0
-_CROPPED_SIGMA = 0.25  # of a stream that the browser cuts by an unknown amount
+_CROPPED_SIGMA = 0.25
 
 
 @dataclass(frozen=True)
 class EstimateQuery:
-    """Camera and size to estimate, and what is known of it apart from its label.
-
-    Attributes
-    ----------
-    cropped
-        The browser cuts the stream.
-    evidence
-        Calibrations and reports about this very camera, already for this size and zoom.
-    """
+    """Camera and size to estimate."""
 
     camera: str
     platform: str
     img_size: tuple[int, int]
     zoom: float = 0.0
-    cropped: bool = False
+    cropped: bool = False  # by the browser
     evidence: tuple[Evidence, ...] = ()
+    """Of this camera, size and zoom."""
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """Distribution of `log_tan` along the longer side: centre and 90 % interval, and what it rests on."""
+    """Distribution of `log_tan` along the longer side, with a 90 % interval."""
 
     centre: float
     low: float
     high: float
     best: Evidence
-
-
-def distribution(query: EstimateQuery, knowledge: Knowledge) -> Distribution:
-    """Combine the evidence about a camera."""
-    system = system_of(query.platform)
-    device = device_of(identify(query.camera, query.platform), system)
-    # The zoom of a photograph is its focal length, mm: what is published about a model is of its own.
-    change, sigma = (0.0, 0.0) if system.is_file else zoom_change(query.zoom)
-    if query.cropped:
-        sigma = math.hypot(sigma, _CROPPED_SIGMA)
-    stated = list(query.evidence)
-    if (public := knowledge.published(device, query.img_size)) is not None:
-        stated.append(public.shifted(change, sigma))
-    return combine_evidence(knowledge, device, query.img_size, stated, change, sigma)
 
 
 def combine_evidence(
@@ -79,15 +60,15 @@ def combine_evidence(
 ) -> Distribution:
     """Combine statements about one camera with the distribution of its family, else of its kind.
 
-    `change`, `sigma`: of `log_tan` by zoom and crop, which `stated` has already.
+    `change`, `sigma`: of `log_tan` by zoom and crop, which `stated` includes.
     """
     family = knowledge.family(device, size)
     group = family or knowledge.population(device, size)
     prior = Evidence("family" if family else "population", group.median, group.sigma).shifted(change, sigma)
     if not stated:
-        return _prior_only(prior, group, change, sigma)
-    # What is published about the model is a distribution of its units already. Else the family is a weak
-    # prior, so that one wrong statement about the camera widens the interval.
+        return _prior_only(prior, group, sigma)
+    # Published values are a distribution of the model's units. Without them the family is a weak prior, so
+    # that one wrong statement widens the interval.
     if not any(e.basis == "published" for e in stated):
         stated = [*stated, replace(prior, sigma=_PRIOR_WIDENING * prior.sigma)]
     mean, total = combine(stated)
@@ -95,17 +76,27 @@ def combine_evidence(
     return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
 
 
-def _prior_only(prior: Evidence, population: Population, change: float, sigma: float) -> Distribution:
-    centre = population.median + change
+def _prior_only(prior: Evidence, population: Population, sigma: float) -> Distribution:
     below, above = population.median - population.low, population.high - population.median
     reach = _QUANTILE * sigma
-    return Distribution(centre, centre - math.hypot(below, reach), centre + math.hypot(above, reach), prior)
+    return Distribution(
+        prior.mean, prior.mean - math.hypot(below, reach), prior.mean + math.hypot(above, reach), prior
+    )
 
 
 @functools.lru_cache(maxsize=256)
 def estimate(query: EstimateQuery) -> Estimate:
-    """Estimate a camera. Every valid query has an answer; the same one has the same answer."""
-    result = distribution(query, default_knowledge())
+    """Estimate a camera."""
+    knowledge, system = default_knowledge(), system_of(query.platform)
+    device = device_of(identify(query.camera, query.platform), system)
+    # The zoom of a photograph is its focal length, mm, to which published values refer.
+    change, sigma = (0.0, 0.0) if system.is_file else zoom_change(query.zoom)
+    if query.cropped:
+        sigma = math.hypot(sigma, _CROPPED_SIGMA)
+    stated = list(query.evidence)
+    if (public := knowledge.published(device, query.img_size)) is not None:
+        stated.append(public.shifted(change, sigma))
+    result = combine_evidence(knowledge, device, query.img_size, stated, change, sigma)
     w, h = query.img_size
     best = result.best
     half_long = max(w, h) / 2
@@ -129,7 +120,7 @@ def estimate(query: EstimateQuery) -> Estimate:
 
 
 def _radius(theta: float, lens: Sequence[float]) -> float | None:
-    """Distance from the centre, focal lengths, of a ray by a fisheye lens; None without one, or beyond it."""
+    """Distance of a ray from the centre, focal lengths, by a fisheye lens; None without or beyond it."""
     if not lens:
         return None
     t = theta * theta
@@ -144,3 +135,30 @@ def _angle_of_width(w: int, h: int, angle: float) -> float:
     if w >= h:
         return angle
     return 2 * math.degrees(math.atan(math.tan(math.radians(angle) / 2) * w / h))
+
+
+def starting_camera(query: EstimateQuery, model: str) -> FitRecord | None:
+    """Estimate as the initial camera of a capture; None for an omnidirectional one."""
+    if model not in _ZEROS:
+        return None
+    likely = estimate(query)
+    w = likely.img_size[0]
+    (focal, _, cx), (_, _, cy), last = likely.camera_matrix
+    low, high = (math.radians(angle) for angle in likely.interval_90.hfov_deg)
+    theta = math.radians(likely.hfov_deg) / 2
+    distortion = (0.0,) * _ZEROS[model]
+    if model == likely.distortion_model:
+        distortion = likely.distortion_coefficients
+    elif model == "fisheye":  # equidistant
+        focal = w / 2 / theta
+    else:
+        focal = w / 2 / math.tan(theta)
+    error = (high - low) / 4 * focal  # px, about two thirds of the way to the edge
+    return FitRecord(
+        img_size=likely.img_size,
+        camera_matrix=((focal, 0.0, cx), (0.0, focal, cy), last),
+        distortion_coefficients=distortion,
+        distortion_model=model,
+        avg_reprojection_error=0.0,
+        uncertainty=Uncertainty(rms=error, max=2 * error),
+    )

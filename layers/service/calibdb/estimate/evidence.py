@@ -1,4 +1,4 @@
-"""Evidence about a field of view, and its robust combination by precision."""
+"""Evidence about a field of view, and its combination."""
 
 from __future__ import annotations
 
@@ -8,45 +8,29 @@ from dataclasses import dataclass, replace
 
 from calibdb.schema.estimate import EstimateBasis, Source
 
-_FREEDOM = 4.0  # degrees of freedom of the t distribution by which rows are weighted
+_FREEDOM = 4.0  # degrees of freedom of the t distribution
 _ROUNDS = 12
-_OUTLYING, _MAJORITY = (
-    3.0,
-    0.6,
-)  # standard deviations; share of the statements that agree, weighted by 1 / sigma
+_OUTLYING = 3.0  # standard deviations
+_MAJORITY = 0.6  # of the statements, weighted by 1 / sigma
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """One statement about `log_tan` along the longer side, with its standard deviation.
-
-    Attributes
-    ----------
-    basis
-        Basis of the estimate, if it is the best.
-    lens
-        Coefficients of a fisheye lens, if the source says so.
-    sources
-        Publications that it is from.
-    """
+    """One statement about `log_tan` along the longer side."""
 
     basis: EstimateBasis
     mean: float
     sigma: float
     sources: tuple[Source, ...] = ()
-    lens: tuple[float, ...] = ()
+    lens: tuple[float, ...] = ()  # coefficients of a fisheye lens
 
     def shifted(self, change: float, sigma: float) -> Evidence:
-        """Return the evidence at another zoom or size."""
+        """Evidence at another zoom or size."""
         return replace(self, mean=self.mean + change, sigma=math.hypot(self.sigma, sigma))
 
 
 def combine(evidence: Sequence[Evidence]) -> tuple[float, float]:
-    """Mean and standard deviation of all evidence together.
-
-    Weighted by precision, and by a t distribution, so that one wrong statement does not win; what contradicts
-    the rest widens the result.
-    """
+    """Mean and standard deviation, weighted by precision and a t distribution; contradictions widen it."""
     mean = _weighted_median(evidence)
     weights = [1.0] * len(evidence)
     for _ in range(_ROUNDS):
@@ -64,7 +48,7 @@ def combine(evidence: Sequence[Evidence]) -> tuple[float, float]:
 
 
 def mixture(parts: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
-    """Mean and standard deviation of alternatives `(weight, mean, sigma)`, of which one is true."""
+    """Mean and standard deviation of alternatives `(weight, mean, sigma)`."""
     total = sum(weight for weight, _, _ in parts)
     mean = sum(weight * part for weight, part, _ in parts) / total
     variance = sum(weight * (sigma**2 + (part - mean) ** 2) for weight, part, sigma in parts) / total
@@ -72,7 +56,7 @@ def mixture(parts: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
 
 
 def _weighted_median(evidence: Sequence[Evidence]) -> float:
-    """Median by 1 / sigma: what claims to be very precise does not outweigh several others."""
+    """Median by 1 / sigma: one very precise statement does not outweigh several others."""
     ordered = sorted(evidence, key=lambda e: e.mean)
     half = sum(1 / e.sigma for e in ordered) / 2
     below = 0.0

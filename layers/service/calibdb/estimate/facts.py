@@ -1,25 +1,21 @@
 """Published facts about cameras: one table, each row with its source and licence.
 
-A row is a field of view or a focal length of one model, at one size or aspect and in one mode. The columns:
+A row is of one model, at one size or aspect and in one mode. The columns:
 
-* `kind`, `maker`, `model`: the product. Kinds: `calibdb.estimate.device`.
+* `kind`, `camera`: as of `calibdb.estimate.device.Device`.
 * `words`: words of its label, lower case; alternatives separated by `;`. Empty: a sample of its kind only.
 * `usb`, `devices`: USB ids and identifiers of phones (`iphone17,3`, `sm-g975f`), separated by `;`.
-* `camera`: of a phone: `wide`, `ultrawide`, `tele`, `front`.
-* `mode`: field-of-view switch or the like; empty: the only one. Rows that differ in it are alternatives.
+* `mode`: such as of a field-of-view switch; empty: the only one. Rows that differ in it are alternatives.
 * `width`, `height`: size in px, or an aspect such as 16, 9.
-* `quantity`, `value`, `sigma`: as `angles.log_tan` takes them; sigma is that of the row itself.
-* `n`: calibrations that it stands for. `what`: calibration, specification, reported, measurement.
+* `quantity`, `value`, `sigma`: as of `angles.log_tan`; sigma is that of the row.
+* `n`: number of its calibrations. `what`: calibration, specification, reported, measurement.
 * `distortion`: `fisheye k1 k2 k3 k4`, if the lens is one.
-* `title`, `url`, `licence`: of the source.
 """
 
 from __future__ import annotations
 
 import csv
 import functools
-from collections import defaultdict
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,7 +35,7 @@ _WEBCAMS = ("usb_webcam", "camera_module")
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One row of the table, its value as `log_tan` with its standard deviation."""
+    """One row of the table, its value as `log_tan`."""
 
     kind: str
     maker: str
@@ -86,49 +82,5 @@ def rows() -> list[dict[str, str]]:
 
 @functools.cache
 def all_facts() -> tuple[Fact, ...]:
-    """Read the table: once in a process, and not before a lookup misses."""
+    """Read the table, once in a process."""
     return tuple(fact_of(row) for row in rows())
-
-
-class FactIndex:
-    """Facts by what names a camera: USB ids, identifiers of phones, words of labels."""
-
-    def __init__(self, facts: Iterable[Fact]) -> None:
-        self._by_usb: dict[str, list[Fact]] = defaultdict(list)
-        self._by_device: dict[str, list[Fact]] = defaultdict(list)
-        self._by_word: dict[str, list[tuple[frozenset[str], Fact]]] = defaultdict(list)
-        for fact in facts:
-            for usb_id in fact.usb:
-                self._by_usb[usb_id].append(fact)
-            for device in fact.devices:
-                self._by_device[device].append(fact)
-            for alternative in fact.words:
-                # Under its longest word, which fewest labels have.
-                self._by_word[max(alternative, key=lambda word: (len(word), word))].append(
-                    (alternative, fact)
-                )
-
-    def of_usb_id(self, usb_id: str | None) -> list[Fact]:
-        """Select the facts about a USB id."""
-        return self._by_usb.get(usb_id or "", [])
-
-    def of_devices(self, identifiers: Iterable[str]) -> list[Fact]:
-        """Select the facts about identifiers of phones."""
-        return [fact for identifier in identifiers for fact in self._by_device.get(identifier, [])]
-
-    def of_words(self, label_words: frozenset[str]) -> list[tuple[int, Fact]]:
-        """Select the facts whose words a label has, each with their number."""
-        entries = [entry for word in label_words for entry in self._by_word.get(word, ())]
-        return [(len(alternative), fact) for alternative, fact in entries if alternative <= label_words]
-
-
-def most_specific(facts: Iterable[tuple[int, Fact]]) -> list[Fact]:
-    """Select the facts with most words: `brio 501` goes before `brio`."""
-    best: list[Fact] = []
-    most = 0
-    for count, fact in facts:
-        if count > most:
-            best, most = [], count
-        if count == most and fact not in best:
-            best.append(fact)
-    return best

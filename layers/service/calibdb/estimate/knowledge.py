@@ -1,4 +1,4 @@
-"""Knowledge about cameras: the table of facts, asked for one device at one size."""
+"""Knowledge about cameras from the table of facts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from calibdb.estimate.angles import Size
 from calibdb.estimate.crops import aspect_log
 from calibdb.estimate.device import Device
 from calibdb.estimate.evidence import Evidence
-from calibdb.estimate.facts import Fact, FactIndex, all_facts
+from calibdb.estimate.facts import Fact, all_facts
 from calibdb.estimate.population import Population, by_model, family, members, population
 from calibdb.estimate.published import facts_about, published
 
@@ -19,22 +19,18 @@ _FALLBACK = "webcam"
 
 
 class Knowledge:
-    """Facts of a table, with the populations that they make. Safe from many threads at once."""
+    """Facts of a table, with their populations. Thread-safe."""
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         self.facts = tuple(facts)
         self._distribution = functools.lru_cache(maxsize=256)(self._compute_distribution)
 
-    @functools.cached_property
-    def _index(self) -> FactIndex:
-        return FactIndex(self.facts)
-
     def published(self, device: Device, size: Size) -> Evidence | None:
-        """Evidence of what is published about the device's model, None if there is nothing."""
-        return published(facts_about(self._index, device), device, size)
+        """Evidence of published facts about the device's model, if any."""
+        return published(facts_about(self.facts, device), device, size)
 
     def family(self, device: Device, size: Size) -> Population | None:
-        """Distribution of the maker's cameras of this kind, None if too few are known."""
+        """Distribution of the maker's cameras of this kind, if enough are known."""
         return self._distribution(device.kind, device.maker, _aspect(size)) if device.maker else None
 
     def population(self, device: Device, size: Size) -> Population:
@@ -56,10 +52,10 @@ class Knowledge:
 
 @functools.cache
 def default_knowledge() -> Knowledge:
-    """Return the knowledge of the whole table."""
+    """Knowledge of the whole table."""
     return Knowledge(all_facts())
 
 
 def _aspect(size: Size) -> Size:
-    """Return an aspect, rounded, so that few are computed: all that a population depends on."""
+    """Rounded aspect, so that few populations are computed."""
     return math.exp(round(aspect_log(size), 2)), 1.0

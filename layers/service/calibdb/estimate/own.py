@@ -1,4 +1,4 @@
-"""Evidence about the caller's own camera: too few calibrations of it, and what the device reports."""
+"""Evidence about the caller's own camera: calibrations and reports of the device."""
 
 from __future__ import annotations
 
@@ -29,23 +29,22 @@ _FULL_PICTURE = (4.0, 3.0)  # that phones mean by their focal length
 
 
 def calibrated(kind: str, value: float, count: int, *, disagree: bool = False) -> Evidence:
-    """Evidence of `count` calibrations at this size, whose `log_tan` is `value`."""
+    """Evidence of `count` calibrations at this size; `value`: their `log_tan`."""
     sigma = _CALIBRATION_SIGMA.get(kind, _OTHER_CALIBRATION_SIGMA)
-    # Another unit deviates from their mean by its own deviation as well.
+    # The camera deviates from their mean by its own deviation as well.
     spread = sigma * math.sqrt(0.5 + 0.5 / max(1, count))
     return Evidence("calibrations", value, math.hypot(spread, _DISAGREE_SIGMA) if disagree else spread)
 
 
 def seen(kind: str, value: float, count: int) -> Evidence:
-    """Evidence of the one group of `count` calibrations, whose `log_tan` is `value`, that fits views."""
+    """Evidence of the group of `count` calibrations that fits views."""
     return replace(calibrated(kind, value, count), basis="views")
 
 
 def other_size(kind: str, value: float, size: Size, asked: Size, count: int) -> Evidence:
-    """Evidence of `count` calibrations at another size, whose `log_tan` there is `value`."""
+    """Evidence of `count` calibrations at another size; `value`: their `log_tan`."""
     change, sigma = transfer(kind, size, asked)
-    here = calibrated(kind, value, count).shifted(change, sigma)
-    return Evidence("other_size", here.mean, here.sigma)
+    return replace(calibrated(kind, value, count).shifted(change, sigma), basis="other_size")
 
 
 def reported(kind: str, quantity: str, value: float, size: Size) -> Evidence:

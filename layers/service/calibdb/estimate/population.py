@@ -1,4 +1,4 @@
-"""Populations: fields of view of all models of one kind, or of one maker and kind, in the table of facts."""
+"""Populations: fields of view of the models of one kind, or of one maker and kind."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from calibdb.estimate.angles import Size
 from calibdb.estimate.crops import transfer
 from calibdb.estimate.facts import Fact
 
-# Kinds of facts that stand for kinds of devices which have none of their own.
+# Kinds of facts for kinds of devices that have none of their own.
 _POOLS = {
     "webcam": ("usb_webcam", "laptop_builtin"),
     "virtual": ("usb_webcam", "laptop_builtin"),
@@ -20,15 +20,15 @@ _POOLS = {
 }
 _CAMERAS = {"phone_ultrawide": "ultrawide", "phone_tele": "tele", "phone_rear": "wide", "tablet_rear": "wide"}
 _LENS_KINDS = ("phone_ultrawide", "phone_tele")
-_MIN_FAMILY = 4  # models of a maker
-_POOLED_FREEDOM = 32  # models by which the deviation within other makers counts for a maker's own
+_MIN_FAMILY = 4
+_POOLED_FREEDOM = 32  # weight of other makers, models
 _MIN_QUANTILE_COUNT = 19  # models from which the 5th and 95th percentiles are inside the sample
 _QUANTILE = 1.645  # of the normal distribution, 95 %
 
 
 @dataclass(frozen=True)
 class Population:
-    """Distribution of `log_tan` of one model drawn from a population: median, 5th and 95th percentile."""
+    """Distribution of `log_tan` of a model: median, 5th and 95th percentile."""
 
     n: int
     median: float
@@ -42,14 +42,14 @@ class Population:
 
 
 def members(facts: Iterable[Fact], kind: str) -> list[Fact]:
-    """Select the facts about a kind of device."""
+    """Facts about a kind of device."""
     kinds = ("phone_rear",) if kind in _LENS_KINDS else _POOLS.get(kind, (kind,))
     camera = _CAMERAS.get(kind)
     return [fact for fact in facts if fact.kind in kinds and (camera is None or fact.camera == camera)]
 
 
 def by_model(facts: Iterable[Fact], size: Size) -> dict[tuple[str, str], float]:
-    """Value of each model at the aspect of `size`: the median of its facts, those of this aspect if any."""
+    """Median value of each model at the aspect of `size`, by facts of this aspect if any."""
     models: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for fact in facts:
         change, sigma = transfer(fact.kind, fact.size, size)
@@ -67,16 +67,15 @@ def population(values: Sequence[float]) -> Population:
     if n >= _MIN_QUANTILE_COUNT:
         return Population(n, statistics.median(ordered), _quantile(ordered, 0.05), _quantile(ordered, 0.95))
     mean, sd = statistics.mean(ordered), statistics.stdev(ordered)
-    reach = student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
+    reach = _student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
     return Population(n, mean, mean - reach, mean + reach)
 
 
 def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | None:
     """Predict the next model of a maker from the models of all makers, keyed by maker and model.
 
-    Random effects: makers deviate from the kind's mean, and models from their maker's. The deviation within
-    makers is pooled, so that a maker's few models that are alike by chance do not narrow the interval. None
-    if too few models of the maker are known.
+    Random effects: makers deviate from the kind's mean, and models from their maker's, by a pooled deviation.
+    None if too few models are known.
     """
     makers: dict[str, list[float]] = defaultdict(list)
     for (each, _), value in values.items():
@@ -93,11 +92,11 @@ def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | 
     between = max(total - within, 0.1 * within)
     precision = len(own) / within + 1 / between
     mean = (len(own) / within * statistics.mean(own) + statistics.mean(values.values()) / between) / precision
-    reach = student_t(freedom) * math.sqrt(within + 1 / precision)
+    reach = _student_t(freedom) * math.sqrt(within + 1 / precision)
     return Population(len(own), mean, mean - reach, mean + reach)
 
 
-def student_t(freedom: int) -> float:
+def _student_t(freedom: int) -> float:
     """95 % quantile of the t distribution, within 2 % from two degrees of freedom (Cornish-Fisher)."""
     z = _QUANTILE
     g1 = (z**3 + z) / 4
@@ -107,7 +106,7 @@ def student_t(freedom: int) -> float:
 
 
 def _quantile(ordered: Sequence[float], p: float) -> float:
-    """Quantile by which another member is below with probability `p` (Weibull's positions)."""
+    """Quantile below which another member is with probability `p` (Weibull's positions)."""
     position = min(max(p * (len(ordered) + 1) - 1, 0.0), len(ordered) - 1.0)
     below = min(int(position), len(ordered) - 2)
     return ordered[below] + (position - below) * (ordered[below + 1] - ordered[below])

@@ -1,4 +1,4 @@
-"""Published values of one model, as evidence about another unit of it at another size."""
+"""Published values of a model, as evidence about another unit and size."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from calibdb.estimate.angles import Size
 from calibdb.estimate.crops import is_same_aspect, transfer
 from calibdb.estimate.device import Device
 from calibdb.estimate.evidence import Evidence, combine, mixture
-from calibdb.estimate.facts import Fact, FactIndex, most_specific
+from calibdb.estimate.facts import Fact
 from calibdb.schema.estimate import Source
 
 # Standard deviation of log tan(hfov / 2) between calibrations of two units of a model.
@@ -20,24 +20,27 @@ _OTHER_UNIT_SIGMA = 0.01  # phones and the rest
 MAX_SOURCES = 5
 
 
-def facts_about(index: FactIndex, device: Device) -> list[Fact]:
-    """Select the facts about the device's model: by USB id, by a phone's identifier, or by its words."""
-    for facts in (
-        [(1, fact) for fact in index.of_usb_id(device.usb_id)],
-        [(1, fact) for fact in index.of_devices(device.model_ids)],
-        index.of_words(device.label_words),
+def facts_about(facts: Sequence[Fact], device: Device) -> list[Fact]:
+    """Facts about the device's model, by USB id, else phone's identifier, else words."""
+    label = device.label_words
+    # An app records a crop of what a browser gets: facts about recorded videos precede others.
+    recorded = device.kind == "phone_video"
+    for counted in (
+        ((1, fact) for fact in facts if device.usb_id in fact.usb),
+        ((1, fact) for fact in facts if device.model_ids & fact.devices),
+        ((len(words), fact) for fact in facts for words in fact.words if words <= label),
     ):
-        fitting = [(count, fact) for count, fact in facts if fact.camera == device.camera]
-        # An app records a crop of what a browser gets: facts about recorded videos go before others.
-        recorded = device.kind == "phone_video"
-        same = [(n, fact) for n, fact in fitting if (fact.kind == "phone_video") == recorded]
-        if about := most_specific(same or (fitting if recorded else [])):
-            return about
+        fitting = [(count, fact) for count, fact in counted if fact.camera == device.camera]
+        same = [(count, fact) for count, fact in fitting if (fact.kind == "phone_video") == recorded]
+        chosen = same or (fitting if recorded else [])
+        if chosen:
+            most = max(count for count, _ in chosen)  # `brio 501` before `brio`
+            return list(dict.fromkeys(fact for count, fact in chosen if count == most))
     return []
 
 
 def published(facts: Sequence[Fact], device: Device, size: Size) -> Evidence | None:
-    """Evidence for this size from all facts about the model, None if there are none."""
+    """Evidence for this size from all facts about the model, if any."""
     if not facts:
         return None
     modes: dict[str, list[Fact]] = defaultdict(list)
@@ -54,12 +57,12 @@ def _weight(facts: Sequence[Fact]) -> float:
 
 
 def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
-    """Mean and standard deviation of `log_tan` at `size`, for facts that are about one mode."""
+    """Mean and standard deviation of `log_tan` at `size`, by facts of one mode."""
     groups: dict[tuple[bool, bool], list[Fact]] = defaultdict(list)
     for fact in facts:
         groups[is_same_aspect(fact.size, size), fact.what == "specification"].append(fact)
     if any(fact.n > 1 and is_same_aspect(fact.size, size) for fact in facts):
-        # The deviation of such a row is that of its units: another row does not make it smaller.
+        # The deviation of such a row is that of its units, which other rows do not reduce.
         groups = {key: group for key, group in groups.items() if key[0]}
     mean, sigma = combine([_group(group, size) for group in groups.values()])
     unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
@@ -67,7 +70,7 @@ def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
 
 
 def _group(facts: Sequence[Fact], size: Size) -> Evidence:
-    """Evidence of facts of one aspect and one nature, which share the error of the transfer."""
+    """Evidence of facts that share the error of the transfer."""
     exact = [fact for fact in facts if fact.size == size]
     facts = exact or facts
     values, sigmas = [], []

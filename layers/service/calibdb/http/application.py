@@ -1,8 +1,4 @@
-"""HTTP application of a function: calls come in parsed, errors go out as problem+json.
-
-A function is a few routes, each a plain function from `Call` to a Starlette response. One Lambda instance
-serves one event at a time, so nothing here is gained by waiting asynchronously.
-"""
+"""HTTP application of a function: routes from `Call` to a Starlette response."""
 
 from __future__ import annotations
 
@@ -10,7 +6,6 @@ import hashlib
 import json
 import logging
 import os
-import time
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from http import HTTPStatus
@@ -41,19 +36,18 @@ _DETAILS: dict[int, str] = {
     HTTPStatus.METHOD_NOT_ALLOWED: "This path allows {Allow}.",
 }
 
-IN_THREAD = "calibdb.in_thread"
-"""Place in a request's scope of what runs an endpoint in a thread, if the server serves several at a time."""
+IN_THREAD = "calibdb.in_thread"  # in a request's scope: an `InThread`, in a server
 InThread = Callable[[Callable[[], Response]], Awaitable[Response]]
 Endpoint = Callable[[Call], Response]
 
 
 def json_response(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
-    """Make the JSON response of `model`."""
+    """JSON response of `model`."""
     return Response(model.model_dump_json(), status, headers, "application/json")
 
 
 def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, str]) -> Response:
-    """Make the JSON response of `model` with its ETag; 304 without a body if the request has that one."""
+    """JSON response of `model` with its ETag; 304 if the request has that one."""
     content = model.model_dump_json().encode()
     tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
     headers = {**headers, "ETag": tag}
@@ -62,15 +56,10 @@ def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, st
     return Response(content, 200, headers, "application/json")
 
 
-def no_content() -> Response:
-    """Make the 204 response, without a body."""
-    return Response(status_code=204)
-
-
 def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
-    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
+    """Route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
 
-    `is_quick`: a server runs the endpoint in its event loop, and again in a thread if the endpoint calls
+    `is_quick`: a server runs the endpoint in its event loop, and again in a thread after
     `Call.require_thread`.
     """
 
@@ -89,7 +78,7 @@ def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
 
 
 def application(*routes: Route) -> Starlette:
-    """Make the Starlette application of `routes`, errors answered as problem+json without a trace."""
+    """Starlette application of `routes`; errors become problem+json without a trace."""
     app = Starlette(
         routes=list(routes),
         exception_handlers={
@@ -112,15 +101,15 @@ class handler:  # noqa: N801 - as Lambda calls it
         self._app = with_default_headers(application(*routes))
 
     def __call__(self, event: dict[str, Any], context: Any) -> dict[str, Any]:
-        """Answer the event."""
-        from mangum.handlers import HTTPGateway  # a server does without
+        """Response to an event."""
+        from mangum.handlers import HTTPGateway
 
         gateway = HTTPGateway(_without_host(event), context, _GATEWAY)
         return gateway(_run(self._app, gateway.scope, gateway.body))
 
 
 def _run(app: Any, scope: Any, body: bytes) -> Any:
-    """Run the application on one request, without an event loop: nothing in it waits asynchronously."""
+    """Run the application on one request, without an event loop."""
     messages: list[Any] = []
 
     async def receive() -> Any:
@@ -136,7 +125,7 @@ def _run(app: Any, scope: Any, body: bytes) -> Any:
     except Exception:
         if not messages:
             raise
-        _log.exception("the request failed")  # after its response
+        _log.exception("the request failed")
     else:
         raise RuntimeError("an endpoint waits asynchronously")
     start, *rest = messages
@@ -145,7 +134,7 @@ def _run(app: Any, scope: Any, body: bytes) -> Any:
 
 
 def _without_host(event: dict[str, Any]) -> dict[str, Any]:
-    """Return the event without its host: nothing here depends on it, and Mangum fails on a malformed one."""
+    """Event without its host: Mangum fails on a malformed one."""
     headers = {k: v for k, v in (event.get("headers") or {}).items() if k.lower() not in _HOST_HEADERS}
     return {**event, "headers": headers}
 
@@ -155,54 +144,40 @@ def _service() -> Service:
 
 
 def problem_response(error: CalibdbError) -> Response:
-    """Make the response of an error."""
-    return _document_response(error.problem(), error.status, error.headers)
-
-
-def _document_response(
-    document: Mapping[str, Any], status: int, headers: Mapping[str, str] | None
-) -> Response:
-    """Make the response of a problem document, its type an address of the site.
-
-    The site is where the guidance page is; without one, the address stays relative.
-    """
-    absolute = {**document, "type": urljoin(os.environ.get("GUIDANCE_URL", ""), document["type"])}
-    return Response(json.dumps(absolute, ensure_ascii=False).encode(), status, headers, _PROBLEM)
+    """Response of an error, its type an address of the guidance page's site."""
+    document = error.problem()
+    document["type"] = urljoin(os.environ.get("GUIDANCE_URL", ""), PROBLEMS + error.kind)
+    content = json.dumps(document, ensure_ascii=False).encode()
+    return Response(content, error.status, error.headers, _PROBLEM)
 
 
 async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
     error = cast("CalibdbError", raised)
-    if (
-        error.status >= HTTPStatus.INTERNAL_SERVER_ERROR
-    ):  # not the caller's doing, so the operator hears of it
+    if error.status >= HTTPStatus.INTERNAL_SERVER_ERROR:
         _log.error("%s", error.detail, exc_info=error)
         denied = {"DeniedReads": 1} if isinstance(error, DeniedReadError) else {}
-        metrics.count(time.time(), reason=error.kind, Errors=1, **denied)
+        metrics.count(reason=error.kind, Errors=1, **denied)
     return problem_response(error)
 
 
 async def _on_http_exception(_: Request, raised: Exception) -> Response:
     error = cast("HTTPException", raised)
     title = HTTPStatus(error.status_code).phrase.capitalize()
-    body = {
-        "type": PROBLEMS + title.lower().replace(" ", "-"),
-        "title": title,
-        "status": error.status_code,
-        "detail": _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {}),
-    }
-    return _document_response(body, error.status_code, error.headers)
+    detail = _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {})
+    problem = CalibdbError(detail, kind=title.lower().replace(" ", "-"), headers=error.headers)
+    problem.status, problem.title = error.status_code, title
+    return problem_response(problem)
 
 
 async def _on_unhandled(_: Request, __: Exception) -> Response:
-    # Starlette raises it again once this is sent, and Mangum logs it with its trace: for us, not for the
-    # caller.
-    metrics.count(time.time(), reason="internal", Errors=1)
+    # Starlette raises it again once this is sent, and Mangum logs it with its trace.
+    metrics.count(reason="internal", Errors=1)
     return problem_response(
         CalibdbError("The service failed to handle the request; the request itself may be valid.")
     )
 
 
-#: headers of the answer to a CORS preflight: every origin, since tokens say which they admit
+#: of every origin, since tokens say which they admit
 PREFLIGHT = {
     "Access-Control-Allow-Origin": "*",
     "Access-Control-Allow-Methods": "GET,POST,PATCH,DELETE,OPTIONS",
@@ -212,10 +187,9 @@ PREFLIGHT = {
 
 
 def with_default_headers(app: Starlette) -> Any:
-    """Answer preflights, and add `nosniff`, and `Cache-Control: no-store` where a response has none.
+    """Respond to preflights, and add default headers and rate limits.
 
-    An HTTP API may pass a preflight to the function, whose `ANY` route it matches. Browsers need a successful
-    response to continue, so every path returns one, without secrets or storage.
+    An HTTP API passes preflights to the function, whose `ANY` route they match.
     """
 
     async def wrapped(scope: Any, receive: Any, send: Any) -> None:

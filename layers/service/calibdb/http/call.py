@@ -1,4 +1,4 @@
-"""Call of the API: credentials, body and parameters, read from the request."""
+"""Call of the API: credentials, body and parameters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
@@ -36,27 +36,23 @@ from calibdb.schema.origins import is_loopback
 from calibdb.service import Service
 from calibdb.store import Store
 
-MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
+MAX_BODY_BYTES = 1_000_000  # ten times a view of the largest board
 
+# Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
+# elsewhere. Real cameras need less.
 MAX_COMPUTE_S = 2.8
-"""Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
-elsewhere. Computations for real cameras need less."""
-MAX_RIG_COMPUTE_S = 5.2
-"""The same of a request about a rig, of up to eight cameras."""
-MIN_REMAINING_S = 1.5
-"""Time of an invocation that is kept for storage and the answer."""
-RATE_LIMITS = "calibdb.rate_limits"
-"""Key in a request's scope of the headers that report what is left of the plan."""
+MAX_RIG_COMPUTE_S = 5.2  # of a request about a rig
+_MIN_REMAINING_S = 1.5  # for storage and the answer
+RATE_LIMITS = "calibdb.rate_limits"  # in a request's scope: headers about the plan
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 _WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
 
 Model = TypeVar("Model", bound=BaseModel)
-Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 class InLoopError(Exception):
-    """The call is to run in a thread."""
+    """The call must run in a thread."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +67,7 @@ class Call:
     begun_s: float = field(default_factory=time.thread_time)
     """The same when the call began."""
     in_loop: bool = False
-    """True in the event loop of a server, which serves no other request meanwhile."""
+    """True in the event loop of a server."""
 
     @property
     def store(self) -> Store:
@@ -84,72 +80,51 @@ class Call:
         return self.service.now
 
     def require_thread(self) -> None:
-        """Have the endpoint run again in a thread, since it is about to wait or compute."""
+        """Have the endpoint run again in a thread, before it waits or computes."""
         if self.in_loop:
             raise InLoopError
 
     def seconds_left(self) -> float:
-        """Return the s left to compute: of the request's processor time, or of the invocation if less.
+        """Time left to compute, s: of the request's processor time, or of the invocation if less.
 
-        In seconds of the machine on which the limits were set, so that shares of it mean the same everywhere.
-        An invocation ends at the function's timeout, answered or not.
+        In seconds of the machine on which the limits were set.
         """
-        return min(self._processor_s_left(), self._remaining_s_left() / self._factor)
+        context, remaining_s = self.request.scope.get("aws.context"), math.inf
+        if context is not None:
+            remaining_s = context.get_remaining_time_in_millis() / 1000 - _MIN_REMAINING_S
+        return min(self.processor_s_left, remaining_s / self._factor)
 
     def with_time_for_a_rig(self) -> Call:
-        """Return the call with the processor time of a request about a rig."""
+        """Call with the processor time of a request about a rig."""
         return replace(self, begun_s=self.begun_s + (MAX_RIG_COMPUTE_S - MAX_COMPUTE_S) * self._factor)
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
-        """Return the error of a computation that did not end: `error`, if it never would.
-
-        If the request has not used its processor time, the machine was busy: UnavailableError.
-        """
-        metrics.count(self.service.clock(), ComputeTimeouts=1)
-        if self._processor_s_left() <= 0:
+        """Error of a computation that was cut off: UnavailableError on a busy machine."""
+        metrics.count(ComputeTimeouts=1)
+        if self.processor_s_left <= 0:
             return error
         return UnavailableError("The service is too busy to compute this now; try again.")
 
-    def charged(self, compute: Compute, timeout: type[Exception]) -> Compute:
-        """Return `compute`, each call counted as a view; `too_slow` if it uses up the processor time.
+    def charge_view(self) -> None:
+        """Count the call, by session id or API token, as a view."""
+        if self.is_session():
+            self.session(charge="views")
+        else:
+            self.api_token(charge="views")
 
-        Raises `timeout` if the invocation ends first, on a busy machine.
-        """
-
-        def run(record: dict[str, Any]) -> dict[str, Any]:
-            if self.is_session():
-                self.session(charge="views")
-            else:
-                self.api_token(charge="views")
-            try:
-                return compute(record)
-            except timeout:
-                if self._processor_s_left() > 0:
-                    raise
-                metrics.count(self.service.clock(), ComputeTimeouts=1)
-                return {"too_slow": True}
-
-        return run
-
-    def _processor_s_left(self) -> float:
+    @property
+    def processor_s_left(self) -> float:
+        """Processor time that is left, s of the machine on which the limits were set."""
         return MAX_COMPUTE_S - (self.processor_s() - self.begun_s) / self._factor
 
     @property
     def _factor(self) -> float:
         return self.service.settings.processor_factor
 
-    def _remaining_s_left(self) -> float:
-        context = self.request.scope.get("aws.context")
-        if context is None:
-            return math.inf
-        remaining: int = context.get_remaining_time_in_millis()
-        return remaining / 1000 - MIN_REMAINING_S
-
     def json(self, model: type[Model], depth: int | None = None) -> Model:
-        """Return the body as `model`.
+        """Body as `model`; raises TooLargeError, MalformedError or InvalidError.
 
-        Raises TooLargeError, MalformedError, or InvalidError naming the fields: all, or the first of those
-        whose paths begin with the same `depth` members.
+        Of the errors whose paths begin with the same `depth` members, only the first is named.
         """
         self._require_small_body()
         try:
@@ -158,9 +133,9 @@ class Call:
             raise refusal(error, depth) from error
 
     def require_json_of_the_site(self) -> None:
-        """Refuse what a page of another origin can send: another media type, or its `Origin`.
+        """Refuse a call without credential by a page of another origin.
 
-        For calls without a credential. Raises UnsupportedMediaTypeError or ForbiddenError.
+        Raises UnsupportedMediaTypeError or ForbiddenError.
         """
         media_type = self.request.headers.get("content-type", "").partition(";")[0].strip().lower()
         if media_type != "application/json":
@@ -171,14 +146,14 @@ class Call:
             raise ForbiddenError("Only pages of this site may make this call.", kind="origin")
 
     def query(self, model: type[Model]) -> Model:
-        """Return the query as `model`; raises InvalidError naming every field."""
+        """Query as `model`; raises InvalidError."""
         try:
             return model.model_validate(dict(self.request.query_params))
         except ValidationError as error:
             raise refusal(error) from error
 
     def json_text(self, name: str) -> str | None:
-        """Return a text member of the body, None if it is missing or the body is not a JSON object."""
+        """Text member of the body, None if there is none."""
         self._require_small_body()
         try:
             content = from_json(self.body)
@@ -192,7 +167,7 @@ class Call:
             raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
 
     def flag(self, name: str, *, default: bool = False) -> bool:
-        """Return a query parameter that switches something: `1` or `true`, `0` or `false`."""
+        """Query parameter that is `1` or `true`, `0` or `false`; raises InvalidError."""
         text = self.request.query_params.get(name)
         if text is None:
             return default
@@ -201,17 +176,14 @@ class Call:
         return QUERY_FLAGS[text.lower()]
 
     def index(self, name: str) -> int:
-        """Return a parameter of the path that is the index of a view."""
+        """Parameter of the path that is the index of a view; raises InvalidError."""
         text = self.path(name)
         if re.fullmatch(r"[0-9]{1,9}", text, re.ASCII) is None or int(text) > MAX_INDEX:
             raise InvalidError.field(name, f"must be a whole number from 0 to {MAX_INDEX}")
         return int(text)
 
     def negotiate_media_type(self, types: Sequence[str]) -> str:
-        """Choose the one of `types` that the caller weighs most; of equals the first.
-
-        Raises NotAcceptableError if the caller accepts none of them.
-        """
+        """Choose the one of `types` that the caller weighs most, of equals the first; NotAcceptableError."""
         accept = self.request.headers.get("accept") or "*/*"
         weight, best = max(((_weight(accept, t), t) for t in types), key=lambda pair: pair[0])
         if weight <= 0:
@@ -219,7 +191,7 @@ class Call:
         return best
 
     def session(self, charge: Kind | None = None) -> Ticket:
-        """Verify the session id, count the call as one of `charge`, and return the claims.
+        """Verify the session id, and count the call as one of `charge`.
 
         Raises UnauthenticatedError, ForbiddenError, or TooManyError.
         """
@@ -230,19 +202,17 @@ class Call:
         return ticket
 
     def is_session(self) -> bool:
-        """True if a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
+        """True if a session id was sent, not an API token; raises UnauthenticatedError."""
         return parse(self._bearer()) is None
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:
-        """Return the API token sent as bearer, or else `credential`, the call counted as one of `charge`.
+        """API token sent as bearer, else `credential`; counts the call as one of `charge`.
 
         Raises UnauthenticatedError, ForbiddenError, or TooManyError.
         """
-        if credential is not None and "authorization" not in self.request.headers:
-            sent = credential
-        else:
-            sent = self._bearer()
-        token = self.service.api_token(sent, self.require_thread)
+        if credential is None or "authorization" in self.request.headers:
+            credential = self._bearer()
+        token = self.service.api_token(credential, self.require_thread)
         # The site's own pages try calls with a visitor's token, whatever its origins.
         if not token.admits(self.origin) and self.origin != self.service.settings.site_origin:
             if self.origin in token.pending:
@@ -262,16 +232,13 @@ class Call:
         return token
 
     def managed_token(self) -> ApiToken:
-        """Return the token whose management token was sent as bearer, be it revoked; the call is counted.
-
-        Raises UnauthenticatedError, ForbiddenError, or TooManyError.
-        """
+        """Token, revoked or not, of the management token sent as bearer; counts the call."""
         token = self.service.managed_token(self._bearer())
         self.service.limit_management(token)
         return token
 
     def _tell(self, limits: Sequence[RateLimit]) -> None:
-        """Report what is left of the plan in the response, whatever the response will be."""
+        """Report what is left of the plan in the response."""
         self.request.scope[RATE_LIMITS] = rate_limit_headers(limits)
 
     @property
@@ -283,8 +250,7 @@ class Call:
     def address(self) -> str:
         """Source address, only ever used inside a keyed hash.
 
-        For requests through our CloudFront the gateway sees CloudFront's. It is recognised by a secret, since
-        anyone can write X-Forwarded-For; then the gateway appended the edge's address, the edge the caller's.
+        Our CloudFront, recognised by a secret, appends it to X-Forwarded-For, then the gateway CloudFront's.
         """
         shown = self.request.headers.get("x-calibdb-edge", "").encode()
         secrets = self.service.settings.edge_secrets
@@ -293,15 +259,15 @@ class Call:
             if len(hops) >= _HOPS_OF_EDGE:
                 return hops[-_HOPS_OF_EDGE].strip()
         elif shown and secrets:  # our distribution with an unknown secret, or a guess
-            metrics.count(self.service.clock(), UnknownEdges=1)
+            metrics.count(UnknownEdges=1)
         return self.request.client.host if self.request.client else ""
 
     def contributor(self, ticket: Ticket) -> tuple[str, str]:
-        """Return the keyed hashes of the contributor and of their source."""
+        """Keyed hashes of the contributor and of their source."""
         return self.service.contributor(self.address, ticket.token), self.service.source(self.address)
 
     def path(self, name: str) -> str:
-        """Return a parameter of the path."""
+        """Parameter of the path."""
         return str(self.request.path_params[name])
 
     def _bearer(self) -> str:
@@ -323,10 +289,7 @@ def _weight(accept: str, media_type: str) -> float:
 
 
 def refusal(error: ValidationError, depth: int | None = None) -> CalibdbError:
-    """Messages to a caller about fields that a model does not take, without a word of Python.
-
-    `depth`: as of `Call.json`.
-    """
+    """Error of invalid fields, without a word of Python; `depth`: as of `Call.json`."""
     problems = error.errors(include_url=False, include_input=False, include_context=False)
     if any(p["type"] == "json_invalid" for p in problems):
         return MalformedError("The body is not JSON.")

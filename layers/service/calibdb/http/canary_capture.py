@@ -2,72 +2,60 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import random
 import urllib.error
 import urllib.request
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from calibdb.schema.health import CanaryStep
 
-_TIMEOUT_S = 20.0  # s for one answer: the first of all starts a function
+_TIMEOUT_S = 20.0  # the first call starts a function
 _MAX_RESPONSE_BYTES = 1_000_000
 _KEY = {"camera": "calibDB canary", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _FOCAL, _CENTER = 950.0, (652.0, 351.0)  # px
 _MAX_FOCAL_ERROR = 0.02  # of the focal length
 _NOISE_PX = 0.1
-_TARGET_ERROR_PX = 0.02  # a few views do not come near it, so that the capture does not end and store itself
+_TARGET_ERROR_PX = 0.02  # out of reach, so that the capture does not end and store a calibration
 _TURNS = ((0.5, 0.0), (-0.5, 0.1), (0.1, 0.55), (0.0, -0.6), (0.4, 0.4), (-0.4, -0.4))  # rad about x and y
 
 
 class CanaryError(Exception):
-    """The service did not do what it must; the text is for the operator."""
+    """The service failed; the text is for the operator."""
 
 
-@dataclass(frozen=True)
-class Caller:
-    """Caller of the API at `site`, with one credential."""
-
-    site: str
-    credential: str
-
-    def call(self, method: str, path: str, body: Mapping[str, Any] | None = None) -> Any:
-        """Return the JSON of an answer of success, None if it has no body; raises CanaryError."""
-        headers = {
-            "authorization": f"Bearer {self.credential}",
-            "content-type": "application/json",
-            "accept": "application/json",
-        }
-        content = None if body is None else json.dumps(body).encode()
-        # The address is the operator's own.
-        request = urllib.request.Request(f"{self.site}{path}", content, headers, method=method)  # noqa: S310
-        try:
-            with urllib.request.urlopen(request, timeout=_TIMEOUT_S) as answer:  # noqa: S310
-                text = answer.read(_MAX_RESPONSE_BYTES)
-        except urllib.error.HTTPError as error:
-            error.close()
-            raise CanaryError(f"{method} {path}: {error.code}") from error
-        except OSError as error:
-            raise CanaryError(f"{method} {path}: {error}") from error
-        try:
-            return json.loads(text) if text else None
-        except ValueError as error:
-            raise CanaryError(f"{method} {path}: no JSON") from error
+def _call(site: str, credential: str, method: str, path: str, body: Mapping[str, Any] | None = None) -> Any:
+    """JSON of a successful response, None without a body; raises CanaryError."""
+    headers = {
+        "authorization": f"Bearer {credential}",
+        "content-type": "application/json",
+        "accept": "application/json",
+    }
+    content = None if body is None else json.dumps(body).encode()
+    # The address is the operator's own.
+    request = urllib.request.Request(f"{site}{path}", content, headers, method=method)  # noqa: S310
+    try:
+        with urllib.request.urlopen(request, timeout=_TIMEOUT_S) as answer:  # noqa: S310
+            text = answer.read(_MAX_RESPONSE_BYTES)
+        return json.loads(text) if text else None
+    except urllib.error.HTTPError as error:
+        error.close()
+        raise CanaryError(f"{method} {path}: {error.code}") from error
+    except OSError as error:
+        raise CanaryError(f"{method} {path}: {error}") from error
+    except ValueError as error:
+        raise CanaryError(f"{method} {path}: no JSON") from error
 
 
-def see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
-    """Yield ids and pixels of the corners of the default board in one view after the other."""
+def _see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
+    """Ids and pixels of the default board's corners in each view."""
     noise = random.Random(seed)  # noqa: S311
     for n, (about_x, about_y) in enumerate(_TURNS):
-        sin_x, cos_x, sin_y, cos_y = (
-            math.sin(about_x),
-            math.cos(about_x),
-            math.sin(about_y),
-            math.cos(about_y),
-        )
+        sin_x, cos_x = math.sin(about_x), math.cos(about_x)
+        sin_y, cos_y = math.sin(about_y), math.cos(about_y)
         ids, points = [], []
         for corner in range(40):
             x, y = corner % 8 + 1 - 4.5, corner // 8 + 1 - 3.0
@@ -84,20 +72,20 @@ def see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
 
 def steps(site: str, token: str) -> Iterator[CanaryStep]:
     """Look up and calibrate; yield each step before it is taken. Raises CanaryError."""
-    page = Caller(site, token)
+    page = functools.partial(_call, site, token)
     yield "lookup"
-    missed = page.call("POST", "/v1/lookup", {**_KEY, "miss": "ok"})
+    missed = page("POST", "/v1/lookup", {**_KEY, "miss": "ok"})
     if missed["calibration"] is not None or not missed["guidance_url"]:
         raise CanaryError("a camera that does not exist was found")
     yield "open"
-    capture = Caller(site, page.call("POST", "/v1/auth")["session_id"])
-    state = capture.call("POST", "/v1/session", {**_KEY, "target_error": _TARGET_ERROR_PX})
+    capture = functools.partial(_call, site, page("POST", "/v1/auth")["session_id"])
+    state = capture("POST", "/v1/session", {**_KEY, "target_error": _TARGET_ERROR_PX})
     try:
-        for ids, points in see_board(seed=len(_TURNS)):
+        for ids, points in _see_board(seed=len(_TURNS)):
             yield "pose"
-            index = capture.call("GET", "/v1/session/pose")["index"]
+            index = capture("GET", "/v1/session/pose")["index"]
             yield "view"
-            state = capture.call("POST", "/v1/session/views", {"index": index, "ids": ids, "points": points})
+            state = capture("POST", "/v1/session/views", {"index": index, "ids": ids, "points": points})
         yield "result"
         (fx, *_), (_, fy, _), _ = state["calibration"]["camera_matrix"]
         if not all(abs(focal / _FOCAL - 1) < _MAX_FOCAL_ERROR for focal in (fx, fy)):
@@ -105,4 +93,4 @@ def steps(site: str, token: str) -> Iterator[CanaryStep]:
         if state["calibration_id"] is not None:
             raise CanaryError("the capture ended, and stored a calibration")
     finally:
-        capture.call("DELETE", "/v1/session")
+        capture("DELETE", "/v1/session")

@@ -1,7 +1,6 @@
-"""Metrics in CloudWatch's embedded format: one line on standard output each.
+"""Metrics as lines on standard output, in Lambda only.
 
-Format: Amazon CloudWatch user guide, "Specification: Embedded metric format". No call to CloudWatch is made,
-and nothing is written anywhere but in Lambda.
+Format: Amazon CloudWatch user guide, "Specification: Embedded metric format".
 """
 
 from __future__ import annotations
@@ -11,41 +10,28 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping
-from typing import ParamSpec, TypeVar
+from typing import Any
 
 from calibdb.errors import DeniedReadError
 
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+InternalHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
 
 NAMESPACE = "calibDB"
-#: every metric and its unit; each costs as much in a month as 150,000 lookups
+#: each metric costs as much in a month as 150,000 lookups
 UNITS = {
     **dict.fromkeys(("Lookups", "Misses", "Redirects", "Sessions", "Views", "Refusals"), "Count"),
     **dict.fromkeys(("Calibrations", "ViewsPerSession", "Errors", "ComputeTimeouts"), "Count"),
     **dict.fromkeys(("DeniedReads", "UnknownEdges"), "Count"),
     "FitTime": "Milliseconds",
 }
-#: those that are also counted by their reason; of others the log names it
+#: also counted by their reason
 REASONED = ("Refusals",)
 #: reasons without a metric: they occur only with the published guidance
 RARE = ("no_information",)
 
 
 def document(stack: str, now: float, values: Mapping[str, float], reason: str | None = None) -> str:
-    """Return the line.
-
-    Parameters
-    ----------
-    stack
-        Name of the deployment, the dimension that all have.
-    now
-        Unix seconds.
-    values
-        Measurements by name.
-    reason
-        Reason, if reasons are counted separately.
-    """
+    """Line of measurements by name; `stack`: name of the deployment, a dimension of all."""
     units = [{"Name": name, "Unit": UNITS.get(name, "Count")} for name in values]
     described = [{"Namespace": NAMESPACE, "Dimensions": [["Stack"]], "Metrics": units}]
     reasoned = [metric for metric in units if metric["Name"] in REASONED]
@@ -62,21 +48,21 @@ def document(stack: str, now: float, values: Mapping[str, float], reason: str | 
     return json.dumps(line, separators=(",", ":"))
 
 
-def count(now: float, *, reason: str | None = None, **values: float) -> None:
-    """Have the values counted, in Lambda; elsewhere do nothing."""
+def count(*, reason: str | None = None, **values: float) -> None:
+    """Print the values, in Lambda only."""
     if "AWS_LAMBDA_RUNTIME_API" in os.environ:
-        print(document(os.environ.get("STACK_NAME", ""), now, values, reason), flush=True)
+        print(document(os.environ.get("STACK_NAME", ""), time.time(), values, reason), flush=True)
 
 
-def counting_denied_reads(handler: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Wrap the handler of an internal function, so that a denied read is counted before it is raised."""
+def counting_denied_reads(handler: InternalHandler) -> InternalHandler:
+    """Count denied reads of an internal function."""
 
     @functools.wraps(handler)
-    def wrapped(*arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+    def wrapped(event: dict[str, Any], context: Any) -> dict[str, Any]:
         try:
-            return handler(*arguments, **named)
+            return handler(event, context)
         except DeniedReadError:
-            count(time.time(), DeniedReads=1)
+            count(DeniedReads=1)
             raise
 
     return wrapped

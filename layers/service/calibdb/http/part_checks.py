@@ -1,7 +1,6 @@
-"""Checks of the parts that the service needs: each within a time of its own, remembered for some seconds.
+"""Checks of the parts that the service needs, each with its own time limit, cached for some seconds.
 
-A part that does not answer keeps its thread until it does; meanwhile it is not asked again, so that there are
-never more threads than parts. The error of a failed part goes only to the log.
+A part that does not respond keeps its thread, and is not checked again meanwhile. Errors go only to the log.
 """
 
 from __future__ import annotations
@@ -19,8 +18,7 @@ from typing import Any
 
 from calibdb.schema.health import PartHealth, PartName
 
-CHECKS_TTL_S = 10.0
-"""Time for which the parts are not checked again, by each instance of the function and by the edge."""
+CHECKS_TTL_S = 10.0  # in each instance of the function and at the edge
 
 _MAX_CONFIG_BYTES = 10_000
 
@@ -29,21 +27,12 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Part:
-    """One part of the service.
-
-    Attributes
-    ----------
-    name
-        Name of the part.
-    limit_s
-        Time for all of it, s.
-    prepare
-        Imports what the check needs, and returns the check; only that is timed. Both raise where they fail.
-    """
+    """One part of the service; failing checks raise."""
 
     name: PartName
     limit_s: float
     prepare: Callable[[], Callable[[], object]]
+    """Imports what the check needs, and returns the check; only that is timed."""
 
     def measure(self) -> float:
         """Check the part; return the ms that it took."""
@@ -54,15 +43,7 @@ class Part:
 
 
 class PartChecks:
-    """Parts, checked stage by stage; those of one stage side by side.
-
-    Parameters
-    ----------
-    stages
-        Stages of checks; those that slow others down, such as imports, have their own.
-    clock
-        Monotonic seconds.
-    """
+    """Parts, checked stage by stage, and in parallel within a stage."""
 
     def __init__(self, stages: Sequence[Sequence[Part]], clock: Callable[[], float] = time.monotonic) -> None:
         self._stages = stages
@@ -76,7 +57,7 @@ class PartChecks:
         self._until = float("-inf")
 
     def __call__(self) -> tuple[PartHealth, ...]:
-        """Check all parts, unless they were checked lately; callers in the meantime get the same answer."""
+        """Check all parts, at most once per `CHECKS_TTL_S`."""
         with self._lock:
             if self._clock() >= self._until:
                 self._known = tuple(state for stage in self._stages for state in self._check(stage))
@@ -102,26 +83,26 @@ def _health(part: Part, run: Future[float] | None, end: float) -> PartHealth:
     """Wait for a check until `end`, by the performance counter."""
     latency = None
     try:
-        failed = run.exception(max(0.0, end - time.perf_counter())) if run is not None else TimeoutError()
-    except TimeoutError as error:
-        failed = error
-    if failed is not None:
-        _log.warning("the check of %s failed", part.name, exc_info=failed)
-    elif run is not None:
-        latency = run.result()
-    limit_ms = round(1000 * part.limit_s)
-    return PartHealth(part=part.name, ok=failed is None, latency_ms=latency, limit_ms=limit_ms)
+        if run is None:
+            raise TimeoutError
+        latency = run.result(max(0.0, end - time.perf_counter()))
+    except Exception:  # noqa: BLE001 - of any part
+        _log.warning("the check of %s failed", part.name, exc_info=True)
+    return PartHealth(
+        part=part.name,
+        ok=latency is not None,
+        latency_ms=latency,
+        limit_ms=round(1000 * part.limit_s),
+    )
 
 
 class _Unredirected(urllib.request.HTTPRedirectHandler):
-    """Handler that follows no redirect: the site answers itself."""
-
     def redirect_request(self, *_: Any) -> None:
-        """Return None: no request follows the redirect."""
+        """Follow no redirect."""
 
 
 def read_file(address: str, limit_s: float, max_bytes: int) -> bytes:
-    """Read the beginning of a file of the site; raises OSError if it is not there."""
+    """Read the beginning of a file of the site; raises OSError."""
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), _Unredirected)
     try:
         with opener.open(address, timeout=limit_s) as answer:
@@ -133,6 +114,6 @@ def read_file(address: str, limit_s: float, max_bytes: int) -> bytes:
 
 
 def read_config(address: str, limit_s: float) -> None:
-    """Read the site's settings, as every page does first; raises if they are not there."""
+    """Read the site's settings; raises OSError or ValueError."""
     if "api" not in json.loads(read_file(address, limit_s, _MAX_CONFIG_BYTES)):
         raise ValueError("/config.json has no settings")

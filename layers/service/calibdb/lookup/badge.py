@@ -1,7 +1,4 @@
-"""Badge of one camera at one size: a small SVG picture for a README, which says whether it is calibrated.
-
-No script, no style sheet, no font: it is shown as an image, by sites that pass nothing else.
-"""
+"""Badge of one camera at one size: an SVG image without script, style sheet or font."""
 
 from __future__ import annotations
 
@@ -19,13 +16,13 @@ Colour = Literal["green", "amber", "grey"]
 _COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
 _BADGE_FILE = re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})\.svg")
 _USB_ID_END = re.compile(r"\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$", re.IGNORECASE)
-_MAX_SHOWN_LENGTH = 40  # characters of a label that are shown
+_MAX_SHOWN_LENGTH = 40
 _NARROW, _WIDE = frozenset("fijlrt.,:;'|!()[] "), frozenset("mwMW@%ABCDEFGHKNOQRSUVXYZ±×")
 
 
 @dataclass(frozen=True)
 class Badge:
-    """Text of a badge: the camera on the left, what is known of it on the right."""
+    """Text of a badge, left and right."""
 
     camera: str
     state: str
@@ -36,7 +33,7 @@ NOT_CALIBRATED = Badge("calibDB", "not calibrated", "grey")
 
 
 def parse_size(text: str) -> tuple[int, int] | None:
-    """Return the size in `1280x720.svg`, None if the text is another name."""
+    """Size in `1280x720.svg`, None in other texts."""
     match = _BADGE_FILE.fullmatch(text)
     return (int(match[1]), int(match[2])) if match else None
 
@@ -47,18 +44,9 @@ def badge_of(
     img_size: tuple[int, int],
     thresholds: Thresholds,
 ) -> Badge:
-    """Return the badge of a camera at a size.
+    """Badge of the camera with this label at a size.
 
-    Parameters
-    ----------
-    camera
-        Its label.
-    documents
-        Its consensuses.
-    img_size
-        Width and height, px. Of several zooms the one that a lookup returns counts.
-    thresholds
-        The deployment's. A camera that no search shows has no name here either.
+    A camera that no search shows has no name.
     """
     if not is_listed(documents, thresholds.min_contributors):
         return NOT_CALIBRATED
@@ -68,16 +56,14 @@ def badge_of(
     here = [consensuses for (size, _), consensuses in group_by_mode(documents) if size == img_size]
     if not here:
         return Badge(left, "not calibrated", "grey")
-    best = max(
-        (best_consensus(consensuses) for consensuses in here), key=lambda c: (c.reliable, count_agreeing(c))
-    )
+    best = best_consensus([best_consensus(consensuses) for consensuses in here])
     if not best.reliable or best.calibration is None:
         return Badge(left, f"{count_agreeing(best)} of {thresholds.min_calibrations} calibrations", "amber")
     return Badge(left, f"calibrated ± {rough(best.calibration.uncertainty.rms)} px", "green")
 
 
 def svg(badge: Badge) -> str:
-    """Draw the badge. Every text is escaped, and set to a width of its own, whatever font is there."""
+    """Draw the badge: every text is escaped, and has the same width in every font."""
     left, right = _width(badge.camera) + 12, _width(badge.state) + 12
     total = left + right
     title = f"{badge.camera}: {badge.state}"
@@ -94,7 +80,7 @@ def svg(badge: Badge) -> str:
 
 
 def without_usb_id(label: str) -> str:
-    """Return a camera's label without the USB id that Chromium appends."""
+    """Label without the USB id that Chromium appends."""
     return _USB_ID_END.sub("", label)
 
 
@@ -104,12 +90,12 @@ def _text(words: str, x: int, width: int) -> str:
 
 
 def _width(words: str) -> int:
-    """Return the width of a text in Verdana at 11 px, roughly."""
+    """Approximate width in Verdana at 11 px."""
     return round(sum(4.2 if c in _NARROW else 8.4 if c in _WIDE else 6.9 for c in words))
 
 
 def rough(value: float) -> str:
-    """Write a positive length to hundredths, and with a digit that counts where it is less."""
+    """Write a positive length to hundredths, a smaller one to one significant digit."""
     if value < 0.01:
         return f"{value:.1g}"
     return f"{value:.2f}" if value < 0.995 else f"{value:.1f}" if value < 9.95 else f"{value:.0f}"

@@ -1,7 +1,6 @@
-"""Match of a lookup: the camera, by USB id and name or only by the name, and its consensus for the request.
+"""Match of a lookup: the camera by USB id and name, or only by name, and its consensus.
 
-A name of many products, or of two USB ids, finds no camera: the match is never a guess. Anyone can invent an
-id, so only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
+A name of many products, or of two well-known USB ids, finds no camera.
 """
 
 from __future__ import annotations
@@ -55,16 +54,13 @@ class LookupQuery:
 
     @classmethod
     def of(cls, request: LookupRequest | CheckRequest) -> LookupQuery:
-        """Return the query of a request."""
+        """Query of a request."""
         camera = request.camera, request.platform, request.img_size, request.zoom
         return cls(*camera, request.distortion_model, request.resize_mode)
 
     @classmethod
     def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
-        """Parse the end of a path of known cameras, without a camera; None if it has another form.
-
-        Each answer has one address.
-        """
+        """Parse the end of a path; None unless it is the only address of its answer."""
         model = file.removesuffix(".json")
         match = _PATH_SIZE.fullmatch(size)
         if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
@@ -77,7 +73,7 @@ class LookupQuery:
 
 @dataclass(frozen=True)
 class Choice:
-    """Selected consensus, or a size at which the model is yet to be computed, or the reason for a miss."""
+    """Selected consensus, a size at which to compute the model, or the reason for a miss."""
 
     found: ConsensusDocument | None = None
     missing_at: tuple[int, int] | None = None
@@ -86,7 +82,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class CameraMatch:
-    """The key under which something was found or is missing, all that is known there, and what answers."""
+    """Key of a camera, its consensuses, and the choice for the request."""
 
     key: str
     known: Sequence[ConsensusDocument]
@@ -100,22 +96,11 @@ class CameraMatch:
 
 
 def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str) -> Choice:
-    """Select the result of a lookup.
+    """Choose among all consensuses of a camera.
 
-    Parameters
-    ----------
-    known
-        All consensuses of the camera.
-    img_size, zoom, model
-        The request. Another zoom is other optics and never a result. The exact size comes first, then
-        the closest: by aspect, then by area.
-
-    Returns
-    -------
-    Choice
-        `found`: a reliable consensus. `missing_at`: nothing is stored for this model at the best size at
-        which another model has a consensus. Else `reason`, of the exact size where it is known.
-
+    Another zoom is other optics and never a result. The exact size comes first, then the closest: by aspect,
+    then by area. `missing_at` is the best size at which only another model has a current consensus; `reason`
+    is that of the exact size.
     """
     here: dict[tuple[tuple[int, int], str], ConsensusDocument] = {
         (c.img_size, c.distortion_model): c for c in known if c.zoom == zoom
@@ -136,10 +121,7 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
 
 
 def unanswerable_reason(query: LookupQuery, *, private: bool) -> str | None:
-    """Return why nothing can be said of such a camera; None if the database may know it.
-
-    `private`: the database of one person, who has few cameras, and knows which is meant.
-    """
+    """Reason why nothing can be said of such a camera, else None."""
     if query.identity.virtual:
         return VIRTUAL
     if query.resize_mode == CROPPED:
@@ -150,21 +132,20 @@ def unanswerable_reason(query: LookupQuery, *, private: bool) -> str | None:
 def resolve(read: Callable[[str], CameraRecords], query: LookupQuery, *, private: bool) -> CameraMatch:
     """Resolve a query to the key under which its camera is known (docs/camera-keys.md, "In which order").
 
-    `read` is called once if the camera is known under its own key and no other camera of its name is well
-    known; never more than twice.
+    `private`: the database is that of one person, who has few cameras. `read` is called at most twice, and
+    once if the camera is known under its own key and no other of its name is well known.
     """
     search = _Search(read, query, query.identity, private)
-    for step in _STEPS[search.identity.usb_id is not None, search.identity.distinct, private]:
-        match = step(search)
-        if match is not None:
-            return match
-    return search.own
+    own, has_id, is_distinct = search.own, search.identity.usb_id is not None, search.identity.distinct
+    if own.has_answer:
+        return own if private or has_id or not is_distinct else _best_supported(search)
+    if not (private or is_distinct):
+        return own
+    return _name_of_unknown_id(search) if has_id else _only_usb_id(search)
 
 
 @dataclass(frozen=True)
 class _Search:
-    """One search for a camera: what is known under its own key, and reads of other keys."""
-
     read: Callable[[str], CameraRecords]
     query: LookupQuery
     identity: Identity
@@ -172,72 +153,53 @@ class _Search:
 
     @functools.cached_property
     def known(self) -> CameraRecords:
-        """All that is known under the camera's own key."""
         return self.read(self.identity.key)
 
     @functools.cached_property
     def own(self) -> CameraMatch:
-        """The match under the camera's own key."""
         return self.match(self.identity.key, self.known)
 
-    def match(self, key: str, known: CameraRecords | None = None) -> CameraMatch:
-        """Choose what answers among all that is known under `key`, read now unless given."""
-        known = known or self.read(key)
+    def match(self, key: str, known: CameraRecords) -> CameraMatch:
         query = self.query
         choice = choose(known.consensuses, query.img_size, query.zoom, query.model)
         return CameraMatch(key, known.consensuses, choice)
 
-    def prefer(self, other: CameraMatch) -> CameraMatch:
-        """Return `other`, unless only the camera's own key says why there is no answer."""
+    def prefer(self, key: str, known: CameraRecords) -> CameraMatch:
+        """Match `key`, unless only the camera's own key says why there is no answer."""
+        other = self.match(key, known)
         return other if other.has_answer or self.own.choice.reason == "unknown_camera" else self.own
 
 
-def _own_key(search: _Search) -> CameraMatch | None:
-    return search.own if search.own.has_answer else None
-
-
-def _own_key_unless_outnumbered(search: _Search) -> CameraMatch | None:
-    """Take the own key, or the only well-known USB id of a bare name if more contributors calibrated it."""
-    if not search.own.has_answer or len(search.known.well_known) != 1:
-        return _own_key(search)
-    other = search.match(search.known.well_known[0])
+def _best_supported(search: _Search) -> CameraMatch:
+    """Match the only well-known USB id of a name if more contributors calibrated it."""
+    if len(search.known.well_known) != 1:
+        return search.own
+    key = search.known.well_known[0]
+    other = search.match(key, search.read(key))
     return other if _outnumbers(other.choice.found, search.own.choice.found) else search.own
 
 
-def _only_usb_id(search: _Search) -> CameraMatch | None:
-    """Take the one USB id that is known under a bare name."""
+def _only_usb_id(search: _Search) -> CameraMatch:
+    """Match the only USB id of a bare name."""
     candidates = search.known.same_as if search.private else search.known.candidates
     if len(candidates) > 1:
         return replace(search.own, several=True)
     # Calibrations that disagree under the bare name say that several cameras bear it.
     if not candidates or search.own.choice.reason == "disagree":
-        return None
-    return search.prefer(search.match(candidates[0]))
+        return search.own
+    return search.prefer(candidates[0], search.read(candidates[0]))
 
 
-def _name_of_unknown_id(search: _Search) -> CameraMatch | None:
-    """Take the name of a USB id of which nothing is known, unless the name belongs to another id."""
+def _name_of_unknown_id(search: _Search) -> CameraMatch:
+    """Match the name of an unknown USB id, unless it belongs to another id."""
     if search.known.consensuses:
-        return None
+        return search.own
     key = search.identity.name_key
     named = search.read(key)
     owners = named.same_as if search.private else named.well_known
     if any(owner != search.identity.key for owner in owners):
-        return None
-    return search.prefer(search.match(key, named))
-
-
-# (has a USB id?, is the name distinct?, is the database private?) -> steps; the first that matches answers.
-_STEPS: dict[tuple[bool, bool, bool], tuple[Callable[[_Search], CameraMatch | None], ...]] = {
-    (False, False, False): (_own_key,),
-    (False, False, True): (_own_key, _only_usb_id),
-    (False, True, False): (_own_key_unless_outnumbered, _only_usb_id),
-    (False, True, True): (_own_key, _only_usb_id),
-    (True, False, False): (_own_key,),
-    (True, False, True): (_own_key, _name_of_unknown_id),
-    (True, True, False): (_own_key, _name_of_unknown_id),
-    (True, True, True): (_own_key, _name_of_unknown_id),
-}
+        return search.own
+    return search.prefer(key, named)
 
 
 def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:
@@ -248,48 +210,29 @@ def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) 
     return more and other.img_size == own.img_size
 
 
-Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
-"""Camera key and size to the consensus of the model asked for, computed now; None if there is none."""
-
-
 @dataclass(frozen=True)
 class LookupResult:
-    """Answer of a lookup, or the reason why there is none.
-
-    Attributes
-    ----------
-    key
-        Key of the camera with the result; empty if the camera is unknown.
-    answer
-        None: nothing is known that is good enough.
-    reason, detail
-        Why, then, by name and in words.
-    known
-        All consensuses of the camera, then: evidence for an estimate.
-    """
+    """Answer of a lookup, or the reason for a miss, by name and as a sentence."""
 
     key: str
+    """Key of the camera with the result; empty if the camera is unknown."""
     answer: LookupAnswer | None
     reason: Reason = "unknown_camera"
     detail: str = _NO_CALIBRATION
     known: Sequence[ConsensusDocument] = ()
+    """All consensuses of a camera without answer: evidence for an estimate."""
 
 
 def find(
-    read: Callable[[str], CameraRecords], wanted: LookupQuery, *, private: bool, compute: Compute
+    read: Callable[[str], CameraRecords],
+    wanted: LookupQuery,
+    *,
+    private: bool,
+    compute: Callable[[str, tuple[int, int]], ConsensusDocument | None],
 ) -> LookupResult:
-    """Find what a lookup answers.
+    """Result of a lookup.
 
-    Parameters
-    ----------
-    read
-        Returns what is known under a camera key.
-    wanted
-        Requested size, zoom and model.
-    private
-        The database of one person, who has few cameras, and knows which is meant.
-    compute
-        Computes a model on its first request.
+    `read`, `private`: as of `resolve`. `compute`: computes the model of a camera key at a size.
     """
     size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
     why = unanswerable_reason(wanted, private=private)
@@ -298,7 +241,6 @@ def find(
     resolved = resolve(read, wanted, private=private)
     consensus, reason = resolved.choice.found, resolved.choice.reason
     if resolved.choice.missing_at is not None:
-        # A model that was not requested before can be computed from the stored keypoints.
         consensus = compute(resolved.key, resolved.choice.missing_at)
         reason = consensus.reason if consensus and consensus.reason else reason
     if consensus is not None and consensus.reliable and consensus.calibration is not None:
@@ -313,7 +255,7 @@ def find(
 def find_by_digest(
     store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
 ) -> LookupResult | None:
-    """Find what a lookup by the digest of label and platform answers; None if it is not a known alias."""
+    """Result of a lookup by an alias's digest; None if it is unknown."""
     alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
     if wanted is None or alias is None:
         return None
@@ -323,10 +265,9 @@ def find_by_digest(
 
 
 def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple[StreamMode, Calibration]:
-    """Find the consensus to check, reliable or not, and its mode; raises NotFoundError if there is none.
+    """Consensus to check, reliable or not, and its mode; raises NotFoundError.
 
-    It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
-    a browser cropped is another picture.
+    As a lookup would find it, but only at the size and zoom of the views.
     """
     query = LookupQuery.of(request)
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
@@ -344,5 +285,5 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
 
 
 def consensus_of_model(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
-    """Return the consensus of this model, None if there is none."""
+    """Consensus of this model, None if there is none."""
     return next((d for d in documents if d.distortion_model == model), None)

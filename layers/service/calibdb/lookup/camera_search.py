@@ -1,4 +1,4 @@
-"""Camera search: words compared with labels, and a camera's consensuses grouped by size and zoom."""
+"""Search of cameras by words, and their consensuses by size and zoom."""
 
 from __future__ import annotations
 
@@ -18,15 +18,11 @@ SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
 _MAX_MEMBERS = 200
 _MIN_LISTED_CONTRIBUTORS = 2
-AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
-"""Place in the list of all cameras behind the simulated ones, which are next to each other."""
+AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"  # in the list of all cameras
 
 
 def query_words(query: str) -> list[str]:
-    """Return the words of a query, the most specific one first.
-
-    A maker's name is left out if there are other words: not every system reports it.
-    """
+    """Words of a query, the longest first, makers only if there are no others."""
     text = unicodedata.normalize("NFKC", query).casefold()
     terms = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
     named = [word for word in terms if not is_maker(word)] or terms
@@ -34,7 +30,7 @@ def query_words(query: str) -> list[str]:
 
 
 def has_words(terms: Sequence[str], name: str, consensuses: Sequence[ConsensusDocument]) -> bool:
-    """True if every word that is wanted begins a word of the camera's name, labels or USB vendor."""
+    """True if every term begins a word of the camera's name, labels or USB vendor."""
     labels = {c.calibration.camera for c in consensuses if c.calibration}
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
     there = [*words(text), *vendor_words(usb_id(consensuses))]
@@ -44,9 +40,8 @@ def has_words(terms: Sequence[str], name: str, consensuses: Sequence[ConsensusDo
 def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -> bool:
     """True if a search shows a camera to callers who do not know its key.
 
-    A label is whatever its sender wrote. So a camera is shown once the database vouches for it, or
-    calibrations of another contributor agree. If one contributor suffices for everything, as at home, the
-    first consensus suffices: before it, only a name is known.
+    A label is whatever its sender wrote. So a consensus must be reliable, or of two contributors, or the only
+    contributor's of a private database.
     """
     enough = min(_MIN_LISTED_CONTRIBUTORS, min_contributors)
     return (enough == 1 and bool(consensuses)) or any(
@@ -58,7 +53,7 @@ def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -
 def group_by_mode(
     consensuses: Sequence[ConsensusDocument],
 ) -> Iterator[tuple[SizeAndZoom, list[ConsensusDocument]]]:
-    """Yield the consensuses of every size and zoom, the largest picture first."""
+    """Consensuses of every size and zoom, the largest picture first."""
 
     def order(c: ConsensusDocument) -> tuple[int, tuple[int, int], float]:
         return -c.img_size[0] * c.img_size[1], c.img_size, c.zoom
@@ -71,7 +66,7 @@ def group_by_mode(
 def best_modes(
     consensuses: Sequence[ConsensusDocument], limit: int
 ) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
-    """Select from `group_by_mode` at most `limit` sizes and zooms: the reliable, then the most calibrated."""
+    """At most `limit` groups: the reliable, then the most calibrated."""
     groups = list(group_by_mode(consensuses))
     weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in groups]
     ranked = sorted(range(len(groups)), key=lambda i: weights[i], reverse=True)
@@ -79,17 +74,17 @@ def best_modes(
 
 
 def best_consensus(consensuses: Sequence[ConsensusDocument]) -> ConsensusDocument:
-    """Return the consensus that speaks for a size: a reliable one, of those the one of most calibrations."""
-    return max(consensuses, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
+    """Consensus that represents a size: reliable if possible, with most calibrations."""
+    return max(consensuses, key=lambda c: (c.reliable, count_agreeing(c)))
 
 
 def count_agreeing(best: ConsensusDocument) -> int:
-    """Count the calibrations that agree in the best consensus of a size."""
+    """Number of calibrations in a consensus."""
     return best.calibration.calibrations if best.calibration else 0
 
 
 def usb_id(consensuses: Sequence[ConsensusDocument]) -> str | None:
-    """Return the USB id `vid:pid` in the camera's labels, None if they have none."""
+    """USB id `vid:pid` in the camera's labels, None if they have none."""
     named = ((c.calibration.camera, c.calibration.platform) for c in consensuses if c.calibration)
     return next((usb for name in named if (usb := identify(*name).usb_id)), None)
 
@@ -97,7 +92,7 @@ def usb_id(consensuses: Sequence[ConsensusDocument]) -> str | None:
 def camera_entry(
     key: str, name: str, consensuses: Sequence[ConsensusDocument], min_calibrations: int
 ) -> CameraEntry:
-    """Return a camera as a search shows it; `name`: its normalised label."""
+    """Camera as a search shows it; `name`: its normalised label."""
     camera, platform = display_name(name, consensuses)
     sizes = []
     for (img_size, zoom), here in group_by_mode(consensuses):
@@ -120,17 +115,12 @@ def camera_entry(
         )
     own = usb_id(consensuses)
     return CameraEntry(
-        key=key,
-        camera=camera,
-        platform=platform,
-        usb_id=own,
-        vendor=vendor_of(own),
-        sizes=tuple(sizes),
+        key=key, camera=camera, platform=platform, usb_id=own, vendor=vendor_of(own), sizes=tuple(sizes)
     )
 
 
 def display_name(name: str, consensuses: Sequence[ConsensusDocument]) -> tuple[str, str]:
-    """Return label and platform of the newest calibration, or else the normalised label."""
+    """Label and platform of the newest calibration, else `name`."""
     calibrations: list[Calibration] = [c.calibration for c in consensuses if c.calibration]
     if not calibrations:
         return name, ""
@@ -141,7 +131,7 @@ def display_name(name: str, consensuses: Sequence[ConsensusDocument]) -> tuple[s
 def camera_mode(
     store: Store, min_calibrations: int, mode: StreamMode, consensuses: list[ConsensusDocument]
 ) -> CameraMode:
-    """Describe a mode of a camera by its consensuses, with the calibrations behind them."""
+    """Describe a mode by its consensuses and the calibrations behind them."""
     best = best_consensus(consensuses)
     behind = store.consensuses.groups(best)
     groups = behind.groups if behind else ()

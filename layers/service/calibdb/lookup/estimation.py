@@ -1,4 +1,4 @@
-"""Estimate for a lookup that misses: stored data of the camera, as evidence besides published facts."""
+"""Estimate for a lookup that misses, by stored data and published facts."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ _MAX_OTHER_SIZES = 2  # the closest; others are evidence of the same calibration
 def estimate_for(
     request: LookupRequest, known: Sequence[ConsensusDocument], fitting: FittingGroup | None = None
 ) -> Estimate:
-    """Estimate the camera of a lookup.
+    """Estimate the camera of a lookup from its unreliable consensuses.
 
-    `known`: its consensuses, none of which is reliable here. `fitting`: the group of its calibrations that
-    fits the views sent.
+    `fitting`: the group that fits the views sent.
     """
-    kind = _kind(request) if known or request.reported else ""
+    identity, system = identify(request.camera, request.platform), system_of(request.platform)
+    kind = device_of(identity, system).kind
     here = None if fitting else _calibration_here(request, known)
     evidence = [*_reports(request, kind), *_other_sizes(request, known, kind)]
     if fitting is not None:
-        evidence.append(seen(kind, calibrated_log_tan(fitting.calibration), fitting.calibration.calibrations))
+        evidence.append(seen(kind, _log_tan(fitting.calibration), fitting.calibration.calibrations))
     if here is not None and here.calibration is not None:
         count, disagree = here.calibration.calibrations, here.reason == "disagree"
-        value = calibrated_log_tan(here.calibration)
+        value = _log_tan(here.calibration)
         evidence.append(calibrated(kind, value, count, disagree=disagree))
     result = estimate(
         EstimateQuery(
@@ -58,16 +58,8 @@ def estimate_for(
     return result
 
 
-def _kind(request: LookupRequest) -> str:
-    identity, system = identify(request.camera, request.platform), system_of(request.platform)
-    return device_of(identity, system).kind
-
-
-def calibrated_log_tan(calibration: Calibration) -> float:
-    """Logarithm of the tangent of half the field of view along the longer side.
-
-    That of the pinhole for models of one, whatever the distortion; else of the ray at the edge.
-    """
+def _log_tan(calibration: Calibration) -> float:
+    """Logarithm of the tangent of half the longer field of view: a pinhole's, else the edge ray's."""
     along_x = calibration.img_size[0] >= calibration.img_size[1]
     focal = axis_focal(calibration)[0 if along_x else 1]
     half = max(calibration.img_size) / 2
@@ -78,7 +70,7 @@ def calibrated_log_tan(calibration: Calibration) -> float:
 
 
 def _edge_angle(calibration: Calibration, target: float, *, along_x: bool) -> float:
-    """Angle off the axis, rad, of the ray that reaches `target` on the plane of unit focal length."""
+    """Angle off the axis, rad, of the ray to `target` on the plane of unit focal length."""
     low, high = 0.0, math.radians(85)
     phi = 0.0 if along_x else math.pi / 2
     for _ in range(40):
@@ -92,7 +84,7 @@ def _edge_angle(calibration: Calibration, target: float, *, along_x: bool) -> fl
 
 
 def _calibration_here(request: LookupRequest, known: Sequence[ConsensusDocument]) -> ConsensusDocument | None:
-    """Select the consensus of this size and zoom, of the requested model if there is one."""
+    """Consensus of this size and zoom, if possible of the requested model."""
     here = [
         c
         for c in known
@@ -102,7 +94,6 @@ def _calibration_here(request: LookupRequest, known: Sequence[ConsensusDocument]
 
 
 def _other_sizes(request: LookupRequest, known: Sequence[ConsensusDocument], kind: str) -> list[Evidence]:
-    """Evidence of the closest other sizes and zooms."""
     modes: dict[tuple[tuple[int, int], float], Calibration] = {}
     for c in known:
         mode = c.img_size, c.zoom
@@ -115,7 +106,7 @@ def _other_sizes(request: LookupRequest, known: Sequence[ConsensusDocument], kin
 
 
 def _elsewhere(calibration: Calibration, request: LookupRequest, kind: str) -> Evidence:
-    value, size = calibrated_log_tan(calibration), calibration.img_size
+    value, size = _log_tan(calibration), calibration.img_size
     evidence = other_size(kind, value, size, request.img_size, calibration.calibrations)
     if calibration.zoom == request.zoom:
         return evidence
@@ -127,7 +118,6 @@ def _elsewhere(calibration: Calibration, request: LookupRequest, kind: str) -> E
 
 
 def _reports(request: LookupRequest, kind: str) -> list[Evidence]:
-    """Evidence of what the device reports of itself."""
     facts = request.reported
     if facts is None:
         return []
@@ -140,9 +130,8 @@ def _reports(request: LookupRequest, kind: str) -> list[Evidence]:
 
 
 def _with_lens_of(result: Estimate, calibration: Calibration) -> Estimate:
-    """Return the estimate with centre and distortion of a calibration."""
     (fx, _, cx), (_, fy, cy), last = calibration.camera_matrix
-    own = 2 * math.atan(math.exp(calibrated_log_tan(calibration)))
+    own = 2 * math.atan(math.exp(_log_tan(calibration)))
     w, h = calibration.img_size
     half = math.tan(math.radians(result.hfov_deg) / 2) * max(1.0, h / w)
     if calibration.distortion_model in _PINHOLES:

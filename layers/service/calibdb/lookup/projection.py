@@ -1,7 +1,4 @@
-"""Projection by a stored calibration, in plain Python: a lookup loads no numpy.
-
-Enough to compare two calibrations over an image, some hundred rays; fits and overlays are the solver's.
-"""
+"""Projection by a stored calibration, in plain Python: a lookup loads no numpy."""
 
 from __future__ import annotations
 
@@ -22,10 +19,7 @@ _MAX_ANGLE_RAD = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidire
 
 
 def axis_focal(camera: Calibration) -> Vector:
-    """Return the focal lengths along x and y, px per radian at the axis.
-
-    The fx of an omnidirectional camera is (1 + xi) times that.
-    """
+    """Focal lengths along x and y, px per radian at the axis: (fx, fy) / (1 + xi)."""
     (fx, _, _), (_, fy, _), _ = camera.camera_matrix
     xi = camera.distortion_coefficients[0] if camera.distortion_model == "omnidirectional" else 0.0
     return fx / (1 + xi), fy / (1 + xi)
@@ -56,10 +50,9 @@ def domain_half_angle(model: str, d: tuple[float, ...]) -> float:
 
 
 def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector | None:
-    """Intersection of the ray at angle `theta` off the axis, azimuth `phi` (rad), with the plane z = 1.
+    """Distorted point of the ray at angle `theta` off the axis, azimuth `phi`, rad; None beyond the domain.
 
-    Distortion included: a pixel is `(fx x + cx, fy y + cy)`. None outside the valid domain. Formulas:
-    docs/conventions.md.
+    Its pixel is `(fx x + cx, fy y + cy)`.
     """
     if not theta < domain_half_angle(model, d):
         return None
@@ -80,14 +73,14 @@ def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> V
 
 
 def _planar_terms(model: str, d: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[float, ...], Vector]:
-    """Numerator and denominator of the radial factor, by the squared radius; the tangential coefficients."""
+    """Numerator and denominator of the radial factor, by r^2; the tangential coefficients."""
     if model == "omnidirectional":
         return (1.0, d[1], d[2]), (1.0,), (d[3], d[4])
     return (1.0, d[0], d[1], d[4]), (1.0, *d[5:]), (d[2], d[3])
 
 
 def _polynomial(coefficients: Sequence[float], x: float) -> float:
-    """Value at x of the polynomial with these coefficients, the constant one first."""
+    """Value at x; the constant coefficient comes first."""
     value = 0.0
     for coefficient in reversed(coefficients):
         value = value * x + coefficient
@@ -100,7 +93,7 @@ def _first_root(coefficients: Sequence[float], limit: float) -> float:
 
 
 def _roots(coefficients: Sequence[float], limit: float) -> list[float]:
-    """Roots in (0, limit) at which a polynomial changes its sign, between those of its derivative."""
+    """Roots in (0, limit) at which a polynomial changes its sign."""
     degree = max((i for i, c in enumerate(coefficients) if c != 0), default=0)
     if degree < 1:
         return []
@@ -120,14 +113,11 @@ def _roots(coefficients: Sequence[float], limit: float) -> list[float]:
 
 
 def rays_in_view(camera: Calibration) -> Iterator[tuple[float, float, Vector]]:
-    """Yield rays that the camera sees, with their pixel: `(theta, phi, (u, v))`, outwards along 16 azimuths.
-
-    Only as far as the picture reaches, and no further than the model is one-to-one.
-    """
+    """Yield rays that the camera sees and their pixel, `(theta, phi, (u, v))`, outwards along 16 azimuths."""
     (fx, _, cx), (_, fy, cy), _ = camera.camera_matrix
     w, h = camera.img_size
     model, d = camera.distortion_model, camera.distortion_coefficients
-    # No step is longer than a twelfth of the picture, however narrow the lens.
+    # A narrow lens also has 12 steps from the centre.
     step = min(_MAX_ANGLE_RAD[model] / _STEPS, max(w / fx, h / fy) / _STEPS)
     for i in range(_AZIMUTHS):
         phi = (i + 0.5) * 2 * math.pi / _AZIMUTHS

@@ -1,7 +1,4 @@
-"""Reports of lookups: misses are counted by camera, and names under which a camera was found become aliases.
-
-One instance reports its first miss at once and the others now and then, and each name once per day.
-"""
+"""Reports of lookups: misses, counted by camera, and names of cameras, which become aliases."""
 
 from __future__ import annotations
 
@@ -17,15 +14,15 @@ from calibdb.store import CameraRecords, Store
 from calibdb.store.aliases import Alias
 from calibdb.store.miss_counts import USB
 
-REPORT_S = 600  # seconds between two reports of an instance; what an instance that ends has counted is lost
-MAX_CAMERAS = 50  # that are counted until then
+REPORT_S = 600  # between two reports of an instance, which loses its counts when it ends
+MAX_CAMERAS = 50
 
 _DAY_S = 86_400
-_MAX_ALIASES = 4096  # that are remembered
+_MAX_ALIASES = 4096
 
 
 class MissCounter:
-    """Counts of cameras since the last report. Safe from many threads at once."""
+    """Counts of cameras since the last report. Thread-safe."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
@@ -33,7 +30,7 @@ class MissCounter:
         self._lock = threading.Lock()
 
     def count(self, camera: str, now: float) -> dict[str, int]:
-        """Count a miss; return what is to be reported now, mostly nothing."""
+        """Count a miss; return the counts that are to be reported now."""
         with self._lock:
             if camera in self._counts or len(self._counts) < MAX_CAMERAS:
                 self._counts[camera] += 1
@@ -45,7 +42,7 @@ class MissCounter:
 
 
 class AliasFilter:
-    """Aliases of the last day. Safe from many threads at once."""
+    """Aliases of the last day. Thread-safe."""
 
     def __init__(self) -> None:
         self._seen: OrderedDict[tuple[str, str], int] = OrderedDict()
@@ -72,10 +69,10 @@ def miss_report(
     now: float,
     min_contributors: int,
 ) -> RefitRequest | None:
-    """Count that a camera was asked for that is not known; return the counts if they are due.
+    """Count a miss; return the counts if they are due.
 
-    By its key only if others have calibrated it: a key has parts of a label, which is whatever its sender
-    wrote. Else by its USB id.
+    By the camera's key only if others have calibrated it, since a key has parts of a label; else by its USB
+    id.
     """
     if not found.key:
         return None
@@ -99,7 +96,7 @@ def alias_report(
     now: float,
     sender: Callable[[], str],
 ) -> RefitRequest | None:
-    """Return the request to store the name of a lookup as an alias of a camera; None if it is not new."""
+    """Request to store the name of a lookup as an alias of a camera; None if it is not new."""
     name = request.camera, request.platform
     if not seen.admit(name, now) or not is_public(name):
         return None

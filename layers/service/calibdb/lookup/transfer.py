@@ -1,8 +1,7 @@
 """Transfer of a calibration to the size or zoom of a lookup, by verified relations only.
 
-A camera makes its smaller pictures by scaling the larger, by cutting out of it, or by both; which it does is
-not to be guessed: of one camera 960x720 shows the same as 640x480, and 1920x1080 two thirds of it. So a
-relation is *verified*: the lens must draw the same picture in both, over all of the part that both show.
+A camera scales or crops its smaller pictures, or both. A relation is verified if the lens draws the same
+picture in both, over all of the part that both show.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from calibdb.lookup.projection import axis_focal, distort_ray, rays_in_view
@@ -18,24 +17,16 @@ from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer
 from calibdb.schema.calibration import Relation
 from calibdb.schema.fields import Row
 
-_MIN_EVIDENCE = 2  # calibrations at a size that is not reliable yet, so that they may verify a relation
-_MAX_FOCAL_RATIO = 2.0  # of the focal lengths at two zooms, up to which a lens is interpolated between them
-# Log of the ratio of two aspects below which they are one: 854x480 and 1280x720 differ by 0.07 %, 4:3 and 5:4
-# by 6.5 %.
-_MAX_ASPECT_LOG = 0.01
-
-# Of the width, rms over the image: a hundredth of the focal length at a webcam's field of view. Calibrations
-# of one camera that agree differ by a third of that.
+_MIN_EVIDENCE = 2  # calibrations at an unreliable size that verify a relation
+_MAX_FOCAL_RATIO = 2.0  # between two interpolated zooms
+_MAX_ASPECT_LOG = 0.01  # 854x480 and 1280x720 differ by 0.0007, 4:3 and 5:4 by 0.065
+# Of the width: agreeing calibrations of one camera differ by a third of that, rms over the image.
 _MAX_PICTURE_RMS = 0.003
-# Of the width: calibrations less certain than this neither verify nor refute anything.
-_MAX_UNCERTAINTY = 0.0015
+_MAX_UNCERTAINTY = 0.0015  # of the width, of a calibration that verifies or refutes
 _MAX_CENTER_SHIFT = 0.02  # of the width: principal points of good calibrations vary by a hundredth
-_MAX_OVERHANG = 0.02  # of a side by which what is cut out may stick out
-# Log by which "scale+crop" must differ from the plain ones, or it is a bad fit of these.
-_MIN_SCALE_LOG = 0.03
+_MAX_OVERHANG = 0.02  # of a side by which a crop may stick out
+_MIN_SCALE_LOG = 0.03  # by which "scale+crop" differs from the plain ones, or is a bad fit of these
 _MIN_COMMON_RAYS = 40  # rays that both must see
-
-Matrix = tuple[Row, Row, Row]
 
 
 @dataclass(frozen=True)
@@ -50,10 +41,7 @@ class Window:
 def build_answer(
     found: Calibration, consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int]
 ) -> LookupAnswer:
-    """Answer with `found`, its relation to the size asked for, and its intrinsics there if that is verified.
-
-    `consensuses`: all consensuses of the camera.
-    """
+    """Answer with `found`, its relation to the requested size, and verified intrinsics there."""
     at = {
         c.img_size: c
         for c in consensuses
@@ -65,7 +53,7 @@ def build_answer(
 
 
 def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> LookupAnswer:
-    """Interpolate two calibrations of one size linearly to `zoom`, as certain as the less certain of them."""
+    """Interpolate linearly to `zoom`; as certain as the less certain calibration."""
     t = (zoom - lower.zoom) / (upper.zoom - lower.zoom)
 
     def mix(one: float, other: float) -> float:
@@ -87,12 +75,12 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
         "uncertainty": Uncertainty(
             rms=max(lower.uncertainty.rms, upper.uncertainty.rms),
             max=max(lower.uncertainty.max, upper.uncertainty.max),
-            inside=_max_or_none(lower.uncertainty.inside, upper.uncertainty.inside),
-            covered=_min_or_none(lower.uncertainty.covered, upper.uncertainty.covered),
+            inside=_both(max, lower.uncertainty.inside, upper.uncertainty.inside),
+            covered=_both(min, lower.uncertainty.covered, upper.uncertainty.covered),
         ),
-        "spread": _max_or_none(lower.spread, upper.spread),
-        "held_out_error": _max_or_none(lower.held_out_error, upper.held_out_error),
-        "systematic": _max_or_none(lower.systematic, upper.systematic),
+        "spread": _both(max, lower.spread, upper.spread),
+        "held_out_error": _both(max, lower.held_out_error, upper.held_out_error),
+        "systematic": _both(max, lower.systematic, upper.systematic),
     }
     adapted = Adapted(
         img_size=lower.img_size,
@@ -107,12 +95,10 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
 def bracketing_zooms(
     consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> tuple[Calibration, Calibration] | None:
-    """Find the reliable calibrations at the next zooms below and above; None if they do not interpolate.
+    """Reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
-    Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
-    focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at
-    this very zoom say that it is not what lies between. And 0 is what a browser says that knows no zoom: it
-    may be any.
+    The focal lengths must grow over all calibrated zooms, and not double from one to the next. None also if
+    calibrations disagree at this zoom. Zoom 0 is unknown.
     """
     if any((c.img_size, c.zoom, c.reason) == (img_size, zoom, "disagree") for c in consensuses):
         return None
@@ -136,11 +122,10 @@ def bracketing_zooms(
 
 @functools.lru_cache(maxsize=256)
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
-    """Return the relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
+    """Relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
 
-    No relation where the calibrations are too uncertain to tell; no window where there is none, or where
-    `other` shows more than `one`. Remembered: a camera in use is asked
-    for again and again, and a comparison takes a millisecond.
+    No relation of uncertain calibrations; no window if `other` shows more than `one`. Cached: a comparison
+    takes a millisecond.
     """
     (w, h), (ow, oh) = one.img_size, other.img_size
     if any(c.uncertainty.rms > _MAX_UNCERTAINTY * c.img_size[0] for c in (one, other)):
@@ -149,7 +134,7 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
     if fitted is None:
         return "neither", None
     candidates: list[tuple[Relation, float, float]] = []
-    if same_aspect(one.img_size, other.img_size):
+    if _same_aspect(one.img_size, other.img_size):
         candidates.append(("scale", ow / w, oh / h))
     candidates.append(("crop", 1.0, 1.0))
     if all(abs(math.log(fitted / sx)) > _MIN_SCALE_LOG for _, sx, _ in candidates):
@@ -163,11 +148,10 @@ def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Windo
     return "neither", None
 
 
-def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple[float, ...]]:
-    """Transfer camera matrix and distortion to the picture that `window` makes from `one`'s.
+def transfer_intrinsics(one: Calibration, window: Window) -> tuple[tuple[Row, Row, Row], tuple[float, ...]]:
+    """Camera matrix and distortion of the picture that `window` makes from `one`'s.
 
-    Pixel centres are whole numbers, so a picture begins half a pixel before its first:
-    c' = (c + ½) s − ½ − o.
+    Pixel centres are whole numbers, so c' = (c + ½) s − ½ − o.
     """
     (fx, skew, cx), (_, fy, cy), _ = one.camera_matrix
     (w, h), (ow, oh) = one.img_size, window.size
@@ -177,20 +161,14 @@ def transfer_intrinsics(one: Calibration, window: Window) -> tuple[Matrix, tuple
     return matrix, one.distortion_coefficients
 
 
-def scaling_window(one: Calibration, size: tuple[int, int]) -> Window:
-    """Return the window of a picture that is the same, at another size."""
-    return Window(size[0] / one.img_size[0], size[1] / one.img_size[1], size)
-
-
 def closeness(size: tuple[int, int], requested: tuple[int, int]) -> tuple[bool, float, float]:
-    """Sort key of sizes by closeness: the same first, then by aspect, then by area."""
-    aspect = 0.0 if same_aspect(size, requested) else _aspect_log(size, requested)
+    """Sort key of sizes: the same first, then by aspect, then by area."""
+    aspect = 0.0 if _same_aspect(size, requested) else _aspect_log(size, requested)
     area = abs(math.log(size[0] * size[1] / (requested[0] * requested[1])))
     return size != requested, aspect, area
 
 
-def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """True if two sizes have one aspect."""
+def _same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
     return _aspect_log(one, other) < _MAX_ASPECT_LOG
 
 
@@ -199,7 +177,7 @@ def _aspect_log(one: tuple[int, int], other: tuple[int, int]) -> float:
 
 
 def _focal_ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
-    """Return by how much the focal lengths at the axis grow from `one` to `other`, along x and y."""
+    """Ratios of the focal lengths at the axis, `other` to `one`, along x and y."""
     fx, fy = axis_focal(one)
     other_fx, other_fy = axis_focal(other)
     return other_fx / fx, other_fy / fy
@@ -210,7 +188,7 @@ def _relate_and_adapt(
 ) -> tuple[Relation | None, Adapted | None]:
     here = at.get(requested)
     if here is not None and found.img_size != requested:
-        # Too few to be relied on, but enough to say which of the pictures it can be this one is.
+        # Too few to be reliable, but enough to verify a relation.
         if here.reason == "disagree" or not here.calibration or here.calibration.calibrations < _MIN_EVIDENCE:
             return None, None
         relation, window = relate(found, here.calibration)
@@ -221,15 +199,16 @@ def _relate_and_adapt(
     if not others:
         return None, None
     if found.img_size != requested:
-        # Of a size that was never calibrated only this can be said: between two sizes that show the same
-        # it also shows the same. Beyond them many a camera begins to cut.
+        # A size that was never calibrated shows the same as two sizes around it that do. Beyond them many a
+        # camera begins to cut.
         alike = sorted(
-            (c for c in (found, *others) if same_aspect(c.img_size, requested)), key=lambda c: c.img_size[0]
+            (c for c in (found, *others) if _same_aspect(c.img_size, requested)), key=lambda c: c.img_size[0]
         )
         lower = [c for c in alike if c.img_size[0] < requested[0]]
         upper = [c for c in alike if c.img_size[0] > requested[0]]
         if lower and upper and found in alike and relate(lower[-1], upper[0])[0] == "scale":
-            window = scaling_window(found, requested)
+            (w, h), (width, height) = found.img_size, requested
+            window = Window(width / w, height / h, requested)
             return "scale", _adapted_to(found, window, requested)
     closest = min(others, key=lambda c: closeness(c.img_size, found.img_size))
     return relate(found, closest)[0], None
@@ -242,16 +221,12 @@ def _adapted_to(calibration: Calibration, window: Window, img_size: tuple[int, i
     )
 
 
-def _max_or_none(one: float | None, other: float | None) -> float | None:
-    return None if one is None or other is None else max(one, other)
-
-
-def _min_or_none(one: float | None, other: float | None) -> float | None:
-    return None if one is None or other is None else min(one, other)
+def _both(choose: Callable[[float, float], float], one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else choose(one, other)
 
 
 def _fit_scale(one: Calibration, other: Calibration) -> float | None:
-    """Fit the scale that takes `one`'s picture closest to `other`'s, about their principal points."""
+    """Scale that takes `one`'s picture closest to `other`'s."""
     num = den = 0.0
     count = 0
     for (ax, ay), (bx, by), weight in _common_rays(one, other):
@@ -283,9 +258,9 @@ def _is_verified(one: Calibration, other: Calibration, window: Window) -> bool:
 def _common_rays(
     one: Calibration, other: Calibration
 ) -> list[tuple[tuple[float, float], tuple[float, float], float]]:
-    """Return where rays that both see meet either picture, px from the principal points.
+    """Points of either picture, px from the principal points, and weights of rays that both see.
 
-    With a weight each: rays are as dense on every circle, so the image's area goes with the radius.
+    Rays are as dense on every circle, so weights are radii.
     """
     (fx, _, cx), (_, fy, cy), _ = one.camera_matrix
     (_, _, ox), (_, _, oy), _ = other.camera_matrix

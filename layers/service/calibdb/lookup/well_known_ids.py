@@ -1,8 +1,7 @@
-"""Well-known USB ids: those that are calibrated well enough to say which camera a name means.
+"""Well-known USB ids, which identify the camera of a name.
 
-Anyone can invent a USB id. So an id counts under its name, next to others, only once the database has a
-reliable consensus for it, or once as many contributors agree on one as a reliable one needs; and only by the
-number of those contributors (`calibdb.store.cameras.CameraRecords`). Every new consensus refreshes this.
+Anyone can invent a USB id. So an id counts under its name only once it has a reliable consensus, or one of as
+many contributors as a reliable one needs.
 """
 
 from __future__ import annotations
@@ -12,14 +11,13 @@ from calibdb.settings import Thresholds
 from calibdb.store import Store
 from calibdb.store.cameras import IdSupport
 
-_MAX_ROUNDS = 5  # others that are overtaken, one after the other
+_MAX_ROUNDS = 5
 
 
 def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
-    """Mark the camera as well known under its name, or not, by its calibrations at every size and zoom.
+    """Mark the camera as well known under its name, or not.
 
-    Computations of two sizes may do this at once, and the one that has seen less may write last. So each
-    looks again after its write, and the last one sees everything.
+    Concurrent computations may have seen less. So each looks again.
     """
     for _ in range(_MAX_ROUNDS):
         if not _refresh_once(store, camera_key, thresholds):
@@ -27,10 +25,10 @@ def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) ->
 
 
 def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
-    """Write the mark; False if it was written already, or no calibration counts any more."""
+    """Write the mark; False if it was written already, or no calibration counts."""
     modes = store.calibrations.modes(camera_key)
     if not modes:
-        return False  # its names are gone
+        return False
     support, some = IdSupport(), ""
     for mode in modes:
         for consensus in store.consensuses.at(mode):

@@ -1,4 +1,4 @@
-"""Names of a camera and of its modes: those that most of their contributors sent."""
+"""Names of a camera and of its modes by most of their contributors."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from calibdb.schema import CalibrationDocument
 def most_contributed(
     group: Sequence[CalibrationDocument], public: Callable[[CalibrationDocument], str]
 ) -> str:
-    """Return the text, such as a public label, that most contributors sent; of equals the oldest."""
+    """Text, such as a public label, of most contributors; of equals the oldest."""
     contributors: dict[str, set[str]] = {}
     for document in sorted(group, key=lambda d: (d.time, d.id)):
         contributors.setdefault(public(document), set()).add(document.counted_as)
@@ -20,10 +20,9 @@ def most_contributed(
 
 
 def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
-    """Return the name of each group that most of its contributors gave, by today's rules.
+    """Name of each group by most of its contributors; None if another group has the same.
 
-    None if they gave none, or another group has the same one. `groups`: contributors and the names they gave;
-    empty if they gave none.
+    `groups`: contributors and their names.
     """
     names = [_mode_name(group) for group in groups]
     counts = Counter(name.casefold() for name in names if name)

@@ -1,4 +1,4 @@
-"""Result of a finished rig, and its state from then on."""
+"""Result of a finished rig."""
 
 from __future__ import annotations
 
@@ -10,23 +10,19 @@ from calibdb.rules.rig_state import Rig, named, state, unit
 from calibdb.schema import (
     Calibration,
     RigCalibrationDocument,
-    RigDocument,
     RigEstimateDocument,
     RigResult,
 )
 from calibdb.schema.rig import Extrinsics, MomentPose, Motion, RigVerdict, RigVerdictReason
 from calibdb.schema.rig_documents import EndingDocument, RigFit
 
-MAX_FAIR_RATIO = 3.0
-"""Predicted error of the rig / the one aimed at, up to which the rig is fair."""
-MAX_HELD_OUT_RATIO = 2.0
-"""Error of moments left out of the fit / that of the moments in it, up to which the rig is good."""
-MAX_SET_ASIDE_SHARE = 0.25
-"""Views set aside / all views, up to which the rig is good."""
+MAX_FAIR_RATIO = 3.0  # predicted error / target error of a fair rig
+MAX_HELD_OUT_RATIO = 2.0  # error of moments outside the fit / inside it, of a good rig
+MAX_SET_ASIDE_SHARE = 0.25  # of the views of a good rig
 
 
 def require_finishable(rig: Rig, estimate: RigEstimateDocument) -> RigFit:
-    """Return the fit of a rig that can end; raises ConflictError naming the cameras that lack something."""
+    """Fit of a rig that can end; raises ConflictError."""
     if estimate.unlinked:
         lost = named(estimate.unlinked)
         raise ConflictError(
@@ -56,7 +52,7 @@ def finished(
     solver: str,
     now: int,
 ) -> RigCalibrationDocument:
-    """Make the document of a rig that ends now."""
+    """Document of a rig that ends now."""
     running = state(rig, estimate)
     update = {
         "status": "finished",
@@ -91,38 +87,35 @@ def _result(rig: Rig, fit: RigFit, endings: Sequence[EndingDocument], now: int) 
             )
             for (position, session), record in zip(rig.present, fit.cameras, strict=True)
         ),
-        extrinsics=tuple(_extrinsics(rig.document, fit)),
+        extrinsics=_extrinsics(fit, scale),
         unit=unit(rig.document),
         rms=fit.rms,
         held_out_rms=fit.held_out_rms,
         uncertainty=fit.uncertainty,
         verdict=_verdict(rig, fit),
         board_poses=tuple(
-            MomentPose(moment=one.moment, rvec=one.pose[:3], tvec=_times(one.pose[3:], scale))
+            MomentPose(moment=one.moment, rvec=one.pose[:3], tvec=_scaled(one.pose, scale)[3:])
             for one in fit.board_poses
         ),
         board_shape=fit.board_shape,
     )
 
 
-def _extrinsics(document: RigDocument, fit: RigFit) -> list[Extrinsics]:
-    scale = document.square_size or 1.0
-    return [
-        Extrinsics(position=i, rvec=pose[:3], tvec=_times(pose[3:], scale), std=_scale_motion(std, scale))
+def _extrinsics(fit: RigFit, scale: float) -> tuple[Extrinsics, ...]:
+    return tuple(
+        Extrinsics(position=i, rvec=pose[:3], tvec=_scaled(pose, scale)[3:], std=_scaled(std, scale))
         for i, (pose, std) in enumerate(zip(fit.poses, fit.std, strict=True))
-    ]
+    )
 
 
-def _times(t: tuple[float, float, float], scale: float) -> tuple[float, float, float]:
-    return t[0] * scale, t[1] * scale, t[2] * scale
-
-
-def _scale_motion(motion: Motion, scale: float) -> Motion:
-    return (*motion[:3], *_times(motion[3:], scale))
+def _scaled(motion: Motion, scale: float) -> Motion:
+    """Multiply the translation."""
+    x, y, z = motion[3:]
+    return (*motion[:3], x * scale, y * scale, z * scale)
 
 
 def _verdict(rig: Rig, fit: RigFit) -> RigVerdict:
-    """Judge a rig by the error that is expected of it, and by what contradicts it."""
+    """Judge a rig by its expected error and by contradictions."""
     reasons: list[RigVerdictReason] = []
     if fit.uncertainty.rms > rig.target_error:
         reasons.append("uncertain")

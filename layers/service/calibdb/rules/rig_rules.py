@@ -1,11 +1,7 @@
 """Rules of a rig, as pure functions from one rig document to the next.
 
-Members
-    Position 0 is the leader's, who made the rig; others take the lowest free position, or the one they want.
-Moments
-    The leader opens a moment before cameras send views of it. An undone moment is never opened again.
-End
-    A finished rig no longer changes; what it ends with is all in its document.
+Position 0 is the leader's, who made the rig. The leader opens a moment before cameras send views of it. An
+undone moment is never opened again. A finished rig no longer changes.
 """
 
 from __future__ import annotations
@@ -38,24 +34,22 @@ from calibdb.schema.rig_documents import (
 CODE_ALPHABET = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
 CODE_LENGTH = 6
 CODE_LIFETIME_S = 900
-MAX_CODES = 8
-"""Join codes of one rig that lead to it at a time."""
+MAX_CODES = 8  # per rig at a time
 MAX_MOMENTS = 100
 MAX_SKIPPED_POSES = 8
-ABANDONED_S = 60
-"""Seconds after which a position is free again whose session was never started."""
+ABANDONED_S = 60  # until a position is free again whose session was never started
 MIN_AGREEING_VIEWS = MIN_RECORDED_VIEWS
 _ID_DIGITS = 32
 
 
 def rig_id(secret: str, session: SessionDocument) -> str:
-    """Compute the id of a session's rig: it follows from the session, and cannot be guessed."""
+    """Id of a session's rig, which cannot be guessed."""
     text = f"rig\n{session.session}/{session.first_version}"
     return hmac.new(secret.encode(), text.encode(), hashlib.sha256).hexdigest()[:_ID_DIGITS]
 
 
 def code_of(random: str) -> str:
-    """Return the join code of a random number, in hex; of 64 bits, all codes are equally likely."""
+    """Join code of a random number, in hex, of 64 bits."""
     number, letters = int(random, 16), []
     for _ in range(CODE_LENGTH):
         number, digit = divmod(number, len(CODE_ALPHABET))
@@ -64,13 +58,13 @@ def code_of(random: str) -> str:
 
 
 def code_digest(secret: str, code: str) -> str:
-    """Compute the keyed hash of a code, in whichever case it was typed, spaces and hyphens aside."""
+    """Keyed hash of a code, regardless of case, spaces and hyphens."""
     text = "".join(c for c in code.upper() if c not in " -")
     return hmac.new(secret.encode(), f"rig code\n{text}".encode(), hashlib.sha256).hexdigest()
 
 
 def begin(request: RigRequest, rig: str, session: SessionDocument, contributor: str, now: int) -> RigDocument:
-    """Make the document of a rig whose camera 0 is that of the session."""
+    """Document of a rig whose camera 0 is that of the session."""
     first = MemberDocument(session=session.session, contributor=contributor, joined=now)
     return RigDocument(
         rig=rig,
@@ -82,10 +76,7 @@ def begin(request: RigRequest, rig: str, session: SessionDocument, contributor: 
 
 
 def with_lead(session: SessionDocument, rig: str, source: str | None = None) -> SessionDocument | None:
-    """Make a session camera 0 of its rig; None if it is.
-
-    Raises ConflictError for a session that is in another rig, or has begun alone.
-    """
+    """Make a session camera 0 of its rig; None if it is. Raises ConflictError."""
     membership = RigMembership(id=rig, position=0)
     if session.rig == membership:
         return None
@@ -99,7 +90,7 @@ def with_lead(session: SessionDocument, rig: str, source: str | None = None) -> 
 
 
 def require_same_start(document: RigDocument, request: RigRequest) -> None:
-    """Raise ConflictError unless `request` would have made the rig that is running."""
+    """Raise ConflictError unless `request` would have made the rig."""
     if (len(document.members), document.square_size) != (request.cameras, request.square_size):
         raise ConflictError(
             "The session has a rig with another number of cameras, or another square size.",
@@ -108,7 +99,7 @@ def require_same_start(document: RigDocument, request: RigRequest) -> None:
 
 
 def require_linking_board(board: Board) -> None:
-    """Raise InvalidError for a board that cannot tell two cameras how they stand to each other."""
+    """Raise InvalidError for a board that cannot link cameras."""
     if board.is_half_turn_symmetric:
         raise InvalidError.field(
             "board",
@@ -131,8 +122,7 @@ def require_leader(document: RigDocument, sid: str) -> None:
         )
 
 
-def position_of(document: RigDocument, sid: str) -> int | None:
-    """Return the position of a session, None if it is not a member."""
+def _position_of(document: RigDocument, sid: str) -> int | None:
     return next((i for i, m in enumerate(document.members) if m is not None and m.session == sid), None)
 
 
@@ -143,15 +133,12 @@ def join(
     member: MemberDocument,
     abandoned: Collection[int] = (),
 ) -> tuple[RigDocument | None, RigMembership]:
-    """Add a member; return the document, None if it is one already, and its place.
-
-    `abandoned`: positions of members whose session was deleted. Raises InvalidError naming the field.
-    """
+    """Add a member; return the changed document if any, and its place. Raises InvalidError."""
     if document.finish is not None:
         raise _cannot_join(wanted, "the rig is finished")
     if board != document.board:
         raise InvalidError.field("board", "all cameras of a rig see one board, and the rig has another")
-    current = position_of(document, member.session)
+    current = _position_of(document, member.session)
     if current is not None:
         if wanted.position not in (None, current):
             raise InvalidError.field("rig.position", f"this session has position {current}")
@@ -171,12 +158,12 @@ def join(
 
 
 def _cannot_join(wanted: RigJoin, detail: str, field: str = "rig.id") -> InvalidError:
-    """Return the error of a rig that cannot be joined; for codes it is the same for every reason."""
+    """Error of a rig that cannot be joined; for codes the same for every reason."""
     return wrong_code() if wanted.code is not None else InvalidError.field(field, detail)
 
 
 def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigDocument, Sequence[str]]:
-    """Add a join code; return the document, and the digests of those that no longer lead to it."""
+    """Add a join code; return the document, and the digests of removed codes."""
     valid = [one for one in document.codes if one.until > now]
     codes = [*valid, code][-MAX_CODES:]
     gone = [one.digest for one in document.codes if one not in codes]
@@ -186,11 +173,11 @@ def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigD
 def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | None:
     """Open a moment; None if it is open. Raises ConflictError."""
     require_open(document)
-    for one in document.moments:
-        if one.id == moment:
-            if one.undone:
-                raise moment_undone()
-            return None
+    known = _moment(document, moment)
+    if known is not None:
+        if known.undone:
+            raise _moment_undone()
+        return None
     if len(document.moments) >= MAX_MOMENTS:
         raise ConflictError(f"A rig has at most {MAX_MOMENTS} moments; finish it.", kind="rig-full")
     opened = (*document.moments, MomentDocument(id=moment, opened=now))
@@ -198,20 +185,24 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
 
 
 def without_moment(document: RigDocument, moment: str) -> RigDocument | None:
-    """Undo a moment; None if it is undone. Raises ConflictError, and InvalidError of an unknown one."""
+    """Undo a moment; None if it is undone. Raises ConflictError or InvalidError."""
     require_open(document)
-    if not any(one.id == moment for one in document.moments):
+    known = _moment(document, moment)
+    if known is None:
         raise InvalidError.field("moment", "this rig never opened it")
-    if any(one.id == moment and one.undone for one in document.moments):
+    if known.undone:
         return None
-    changed = [
-        one.model_copy(update={"undone": True}) if one.id == moment else one for one in document.moments
-    ]
-    return document.model_copy(update={"moments": tuple(changed)})
+    undone = known.model_copy(update={"undone": True})
+    changed = tuple(undone if one is known else one for one in document.moments)
+    return document.model_copy(update={"moments": changed})
+
+
+def _moment(document: RigDocument, moment: str | None) -> MomentDocument | None:
+    return next((one for one in document.moments if one.id == moment), None)
 
 
 def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -> RigDocument:
-    """Note that the target shown after the views of digest `basis` is not wanted; None: it has no pose."""
+    """Note that the target after the views `basis` is not wanted."""
     skips = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
     poses = skips.poses if pose is None else (*skips.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
     changed = skips.model_copy(update={"poses": poses, "missed": skips.missed + (pose is None)})
@@ -219,36 +210,29 @@ def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -
 
 
 def with_finish(document: RigDocument, decided: RigDocument, finish: RigFinish) -> RigDocument:
-    """End the rig with everything that publishing it needs.
-
-    Raises ConflictError if it is not the `decided` one any more.
-    """
+    """End the rig; raises ConflictError if it changed since `decided`."""
     if (document.members, document.moments) != (decided.members, decided.moments):
         raise ConflictError("The rig changed meanwhile; send this request again.", kind="overtaken")
     return document.model_copy(update={"finish": finish, "skips": None, "codes": ()})
 
 
 def require_moment(document: RigDocument | None, session: SessionDocument, view: ViewDocument) -> None:
-    """Check the moment of a view of a session in a rig, which is not there already.
-
-    Raises InvalidError of the field `moment`, or ConflictError.
-    """
+    """Check the moment of a new view; raises InvalidError or ConflictError."""
     if document is None:
         raise InvalidError.field("moment", "the rig of this session was deleted")
-    if position_of(document, session.session) is None:
+    if _position_of(document, session.session) is None:
         raise InvalidError.field("moment", "this session's place in the rig was given to another")
     require_open(document)
-    moment = next((one for one in document.moments if one.id == view.moment), None)
+    moment = _moment(document, view.moment)
     if moment is None:
         raise InvalidError.field("moment", "the leader of the rig has not opened it")
     if moment.undone:
-        raise moment_undone()
+        raise _moment_undone()
 
 
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     """True if `view` replays one that this session of a rig has; False if its moment is open.
 
-    The moment says what a view is of, its index nothing: a client that was without its network sends late.
     Raises ConflictError if the moment carries another view.
     """
     known = next((one for one in session.views if one.moment == view.moment), None)
@@ -256,7 +240,7 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
 
 
 def ending_of(ended: SessionDocument) -> EndingDocument:
-    """Return the end of a session that has ended, as its rig keeps it."""
+    """End of a session, as its rig stores it."""
     if ended.finish is None:
         raise ValueError("the session has not ended")
     views = tuple((view.index, view.rms, view.set_aside) for view in ended.views)
@@ -264,9 +248,9 @@ def ending_of(ended: SessionDocument) -> EndingDocument:
 
 
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
-    """End a session as its rig ended; None if it has ended. Views that came too late are dropped.
+    """End a session as its rig ended, without views that came too late.
 
-    Also None if it was restarted after that decision: it is another capture.
+    None if it has ended, or was restarted.
     """
     if session.finish is not None or session_result.calibration_id(session) != ending.finish.calibration_id:
         return None
@@ -277,10 +261,7 @@ def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocu
 
 
 def sent_view(session: SessionDocument, request: ViewRequest) -> ViewDocument:
-    """Return the view that was sent to a session; one of a rig's takes the next index.
-
-    Raises InvalidError of the field `moment` or `index`.
-    """
+    """View that was sent; one of a rig's takes the next index. Raises InvalidError."""
     index = request.index
     if session.rig is not None:
         if request.moment is None:
@@ -294,16 +275,15 @@ def sent_view(session: SessionDocument, request: ViewRequest) -> ViewDocument:
 
 
 def wrong_code() -> InvalidError:
-    """Return the error of a code that leads nowhere, whatever the reason."""
+    """Error of a code without a rig."""
     text = "no rig can be joined by this code; codes last 15 minutes: ask for a new one"
     return InvalidError.field("rig.code", text)
 
 
-def moment_undone() -> ConflictError:
-    """Return the error of a moment that was undone."""
+def _moment_undone() -> ConflictError:
     return ConflictError("This moment was undone.", kind="moment-undone")
 
 
 def in_rig() -> ConflictError:
-    """Return the error of what only the rig may do to a session."""
+    """Error of a change that only the rig may make."""
     return ConflictError("The session is in a rig: undo moments and finish through the rig.", kind="in-rig")

@@ -1,4 +1,4 @@
-"""State of a rig: its document, the sessions of its cameras, and what was computed from their views."""
+"""State of a rig."""
 
 from __future__ import annotations
 
@@ -21,13 +21,12 @@ from calibdb.schema.rig import (
     RigMoment,
     SetAsideReason,
 )
-from calibdb.schema.rig_documents import RigFit
+from calibdb.schema.rig_documents import RigFit, SkipsDocument
 
-INITIAL_ERROR_PER_WIDTH = 0.03
-"""px of predicted error, a pixel of the image's width, from which progress is measured."""
-LINKED_SHARE = 0.3
-"""Progress when all cameras are linked."""
+INITIAL_ERROR_PER_WIDTH = 0.03  # predicted error, px / image width, from which progress is measured
+LINKED_SHARE = 0.3  # progress when all cameras are linked
 MAX_UNFINISHED_PROGRESS = 0.95
+Moments = list[tuple[str, dict[int, ViewDocument]]]  # ids, and views by position
 _REASONS: Mapping[str, SetAsideReason] = {
     "outlier": "outlier",
     "disagrees": "contradicts",
@@ -43,14 +42,14 @@ _SET_ASIDE_DETAILS: Mapping[SetAsideReason, str] = {
 
 @dataclass(frozen=True)
 class Rig:
-    """A running rig: its document, and the sessions by position, None if there is none."""
+    """Running rig: its document, and the sessions by position."""
 
     document: RigDocument
     sessions: tuple[SessionDocument | None, ...]
 
     @property
     def present(self) -> Iterator[tuple[int, SessionDocument]]:
-        """Positions and sessions of the cameras that have joined."""
+        """Positions and sessions of joined cameras."""
         return ((i, session) for i, session in enumerate(self.sessions) if session is not None)
 
     @property
@@ -58,24 +57,16 @@ class Rig:
         """Error at which the rig has converged, px."""
         return TARGET_ERROR_PER_WIDTH * max([s.img_size[0] for _, s in self.present], default=1280)
 
-    def moments(self) -> list[tuple[str, dict[int, ViewDocument]]]:
-        """List the moments that are not undone, each with the views of it by position."""
-        return [
-            (
-                moment.id,
-                {
-                    position: view
-                    for position, session in self.present
-                    for view in session.views
-                    if view.moment == moment.id
-                },
-            )
-            for moment in self.document.moments
-            if not moment.undone
-        ]
+    def moments(self) -> Moments:
+        """Moments that are not undone."""
+        by_moment: Moments = [(moment.id, {}) for moment in self.document.moments if not moment.undone]
+        for name, by_position in by_moment:
+            for position, session in self.present:
+                by_position.update((position, view) for view in session.views if view.moment == name)
+        return by_moment
 
     def basis(self, solver: str) -> str:
-        """Compute the digest of everything that the fit follows from: the views that take part, and whose."""
+        """Digest of everything that the fit follows from."""
         cameras = [[position, session.session, session.first_version] for position, session in self.present]
         views = [
             [name, sorted((p, v.index) for p, v in by_position.items())]
@@ -85,17 +76,15 @@ class Rig:
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def digest(self, basis: str) -> str:
-        """Compute the digest that fit and target have together: of the views, and of targets not wanted."""
-        skips = self.document.skips
-        if skips is None or skips.basis != basis:
+        """Digest of fit and target: of the views, and of targets not wanted."""
+        skips = self._skips(basis)
+        if skips is None:
             return basis
         return hashlib.sha256(skips.model_dump_json().encode()).hexdigest()[:32]
 
     def solver_record(self, basis: str) -> dict[str, Any]:
-        """Plain values from which the solver computes fit and target."""
-        skips = self.document.skips
-        if skips is not None and skips.basis != basis:
-            skips = None
+        """Inputs of the solver."""
+        skips = self._skips(basis)
         return {
             "board": self.document.board.model_dump(),
             "cameras": [_camera(session) for session in self.sessions],
@@ -107,8 +96,12 @@ class Rig:
             "missed": skips.missed if skips else 0,
         }
 
-    def _used_moments(self) -> list[tuple[str, dict[int, ViewDocument]]]:
-        """List the moments with those of their views that no session has set aside."""
+    def _skips(self, basis: str) -> SkipsDocument | None:
+        skips = self.document.skips
+        return skips if skips is not None and skips.basis == basis else None
+
+    def _used_moments(self) -> Moments:
+        """Moments with the views that no session has set aside."""
         used = [
             (name, {p: v for p, v in by_position.items() if v.set_aside is None})
             for name, by_position in self.moments()
@@ -116,7 +109,7 @@ class Rig:
         return [(name, by_position) for name, by_position in used if by_position]
 
     def count_agreeing(self, fit: RigFit | None) -> list[int]:
-        """Count the views of each camera that agree with the others."""
+        """Numbers of each camera's views that agree with the others."""
         out = {(one.moment, one.position) for one in fit.set_aside} if fit else set()
         counts = [0] * len(self.sessions)
         for name, by_position in self._used_moments():
@@ -137,7 +130,7 @@ def _camera(session: SessionDocument | None) -> dict[str, Any] | None:
 
 
 def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
-    """Make the API's state of a running rig."""
+    """State of a running rig in the API."""
     fit, moments = estimate.fit, rig.moments()
     return RigState(
         rig_id=rig.document.rig,
@@ -150,7 +143,7 @@ def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
         moments=tuple(_moment(name, by_position, fit) for name, by_position in moments),
         uncertainty=fit and fit.uncertainty,
         target_error=rig.target_error,
-        progress=progress(rig, estimate),
+        progress=_progress(rig, estimate),
         unlinked=estimate.unlinked,
         rms=fit and fit.rms,
         target=estimate.target,
@@ -160,20 +153,18 @@ def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
 
 
 def unit(document: RigDocument) -> Any:
-    """Return the unit of a rig's lengths."""
+    """Unit of a rig's lengths."""
     return "squares" if document.square_size is None else "metres"
 
 
-def is_converged(rig: Rig, fit: RigFit | None) -> bool:
-    """True if the rig is as sure as it is to be."""
+def _is_converged(rig: Rig, fit: RigFit | None) -> bool:
     enough = min(rig.count_agreeing(fit)) >= MIN_AGREEING_VIEWS
     return fit is not None and enough and fit.uncertainty.rms <= rig.target_error
 
 
-def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
-    """Tell how far a capture has come, 0 to 1: cameras linked, views in, predicted error."""
+def _progress(rig: Rig, estimate: RigEstimateDocument) -> float:
     fit = estimate.fit
-    if is_converged(rig, fit):
+    if _is_converged(rig, fit):
         return 1.0
     if fit is None:
         linked = len(rig.sessions) - 1 - len(estimate.unlinked)
@@ -184,7 +175,7 @@ def progress(rig: Rig, estimate: RigEstimateDocument) -> float:
     return max(LINKED_SHARE, least)
 
 
-def _cameras(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]) -> Iterator[RigCamera]:
+def _cameras(rig: Rig, moments: Moments) -> Iterator[RigCamera]:
     for position, session in enumerate(rig.sessions):
         yield RigCamera(
             position=position,
@@ -196,8 +187,8 @@ def _cameras(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]
         )
 
 
-def _latest(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]) -> LatestMoment | None:
-    """Return the moment that was opened last, None if that is undone."""
+def _latest(rig: Rig, moments: Moments) -> LatestMoment | None:
+    """Moment that was opened last, None if it is undone."""
     if not moments or moments[-1][0] != rig.document.moments[-1].id:
         return None
     name, by_position = moments[-1]
@@ -243,7 +234,7 @@ def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
     if few:
         text = f"{named(few)} fewer than {MIN_AGREEING_VIEWS} views that agree."
         yield RigAdvice(code="too_few_views", text=text, positions=few)
-    if is_converged(rig, fit):
+    if _is_converged(rig, fit):
         yield RigAdvice(code="converged", text="The rig is as sure as it is to be: it can be finished.")
 
 

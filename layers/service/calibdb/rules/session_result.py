@@ -1,14 +1,26 @@
-"""Result of a session: its end, and the calibration that follows from it."""
+"""Results of a session: its state in the API, its end and its calibration."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import Any, Literal
 
 from pydantic import JsonValue
 
-from calibdb.schema import CalibrationDocument, Finish, SessionDocument
+from calibdb.schema import (
+    BatchAnswer,
+    Calibration,
+    CalibrationDocument,
+    Finish,
+    SessionDocument,
+    SessionState,
+    ViewAnswer,
+    ViewDocument,
+    ViewState,
+)
 from calibdb.schema.documents import CaptureDocument
+from calibdb.schema.session import BatchResult, Hint, Refusal
 
 _DAY_S = 86_400
 
@@ -18,42 +30,38 @@ def with_finish(
     now: int,
     contributor: str,
     solver: str,
-    report: Mapping[str, JsonValue] | None = None,
+    report: dict[str, JsonValue] | None = None,
     source: str | None = None,
 ) -> SessionDocument:
-    """End the session: fix everything that publishing it needs.
-
-    The calibration's id follows from the session, and sorts by the day on which it was started: however
-    often it is published, it is one calibration.
-    """
+    """End the session: fix everything that publishing it needs."""
     finish = Finish(
         calibration_id=calibration_id(document),
         time=now,
         contributor=contributor,
         source=source,
         solver=solver,
-        report=None if report is None else dict(report),
+        report=report,
     )
     ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
     return document.model_copy(update=ended)
 
 
 def calibration_id(document: SessionDocument) -> str:
-    """Return the id of the calibration that a session leads to, were it to end."""
+    """Id of the calibration to which a session leads."""
     return f"{document.camera_key}-{calibration_name(document.session, document.first_version)}"
 
 
 def calibration_name(sid: str, first_version: int) -> str:
-    """Compute the second part of a calibration id: it follows from the session, and leads to none.
+    """Second part of a calibration id, from which no session follows.
 
-    Ids are public: of the time, with which names of sessions begin, only the day is in them.
+    Ids are public, so they contain only the day of the session's start.
     """
     day = int(sid[:8], 16) // _DAY_S * _DAY_S
     return f"{day:08x}{hashlib.sha256(f'{sid}/{first_version}'.encode()).hexdigest()[:12]}"
 
 
 def to_calibration(document: SessionDocument) -> CalibrationDocument:
-    """Make the calibration of a converged session."""
+    """Calibration of a converged session."""
     finish, fit = document.finish, document.estimate.fit
     if finish is None or fit is None:
         raise ValueError("the session has not converged")
@@ -69,3 +77,58 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
         solver=finish.solver,
         time=finish.time,
     )
+
+
+def state(document: SessionDocument) -> SessionState:
+    """State of a session in the API."""
+    return SessionState(**_members(document))
+
+
+def view_answer(document: SessionDocument, reason: Refusal | None, hint: Hint | None = None) -> ViewAnswer:
+    """State after a view and, after a refusal, its reason and a remedy."""
+    members = {**_members(document), "accepted": reason is None, "reason": reason, "hint": hint}
+    return ViewAnswer.model_validate(members)
+
+
+def batch_answer(document: SessionDocument, results: Sequence[BatchResult]) -> BatchAnswer:
+    """State after a batch, and the result of each judged view."""
+    return BatchAnswer.model_validate({**_members(document), "results": tuple(results)})
+
+
+def accepted_result(view: ViewDocument) -> BatchResult:
+    """Result of an accepted view."""
+    return BatchResult(accepted=True, index=view.index, reason=None, error=view.stated)
+
+
+def _members(document: SessionDocument) -> dict[str, Any]:
+    finish, estimate = document.finish, document.estimate
+    status: Literal["capturing", "converged"] = "capturing" if finish is None else "converged"
+    calibration_id = finish.calibration_id if finish else None
+    fit = estimate.fit and Calibration.of(
+        estimate.fit,
+        id=calibration_id,
+        camera=document.camera,
+        platform=document.platform,
+        zoom=document.zoom,
+        calibration_time=finish.time if finish else estimate.time,
+    )
+    return {
+        **dict(document),  # which has more members
+        "status": status,
+        "views": tuple(
+            ViewState(
+                index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside, on_target=v.on_target
+            )
+            for v in document.views
+        ),
+        "progress": estimate.progress,
+        "uncertainty": estimate.uncertainty,
+        "systematic": estimate.fit and estimate.fit.systematic,
+        "board_shape": estimate.fit and estimate.fit.board_shape,
+        "calibration": fit,
+        "calibration_id": calibration_id,
+        "end": estimate.end if finish else None,
+        "verdict": finish.report.get("verdict") if finish and finish.report else None,
+        "advice": estimate.advice,
+        "suggested_model": estimate.suggested_model,
+    }

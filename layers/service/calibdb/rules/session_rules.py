@@ -1,14 +1,7 @@
 """Rules of a capture session, as pure functions from one session document to the next.
 
-They cover view indices, idempotent replays and conflicts. The solver decides which view is good and where the
-board goes next. Nothing here reads a clock or writes anything.
-
-Indices
-    The pose that is open carries `next_index`. An accepted view takes it, and the next pose has the next one.
-    An index is never used again, not even when its view is undone: a delayed replay of an undone view is a
-    conflict and does not bring the view back.
-End
-    A converged session is published and no longer changes: neither another view nor an undo is accepted.
+The open pose carries `next_index`, which an accepted view takes. An index is never used again: a delayed
+replay of an undone view is a conflict. A converged session no longer changes.
 """
 
 from __future__ import annotations
@@ -19,7 +12,6 @@ from pydantic import JsonValue
 
 from calibdb.camera_key import camera_key, public_label, public_platform
 from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, FieldError, InvalidError, NotFoundError
-from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
     ConsensusDocument,
@@ -29,15 +21,16 @@ from calibdb.schema import (
     SessionRequest,
     ViewDocument,
 )
+from calibdb.schema.board import Board
 from calibdb.schema.membership import RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
-from calibdb.schema.session import MAX_RECORDED_VIEWS, SetAside
+from calibdb.schema.session import MAX_RECORDED_VIEWS
 
-MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
-MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can agree by chance
-MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
-MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
-ViewStatus = tuple[float | None, Mapping[str, str] | None]  # error in px; reason and detail if set aside
+MAX_POINTS = 20_000  # of all views: few enough to fit within a request
+MIN_RECORDED_VIEWS = 4  # that agree: fewer can agree by chance
+MAX_SKIPPED_TARGETS = 8
+MAX_QUARANTINED_VIEWS = 4
+_EDGE_PX = 0.5  # a pixel centre at 0 reaches from -0.5 to 0.5
 
 
 def begin(
@@ -50,10 +43,9 @@ def begin(
     rig: RigMembership | None = None,
     source: str | None = None,
 ) -> SessionDocument:
-    """Make the document of a session that starts, with any person's name removed from the label.
+    """Document of a session that starts, without personal names.
 
-    `seed`: an initial camera, which others measured. `contributor`: the keyed hash of who starts the session;
-    `source`, of a session in a `rig`: that of where they are.
+    `contributor`, `source`: keyed hashes of the starter and, of a session in a `rig`, of their address.
     """
     target = request.target_error
     changed = {
@@ -86,7 +78,7 @@ def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
 def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
     """True if `view` replays one that was accepted before; False if its index is open.
 
-    Raises ConflictError if the index carries another view, was undone, or is not open (yet).
+    Raises ConflictError if the index carries another view or is not open.
     """
     known = next((one for one in document.views if one.index == view.index), None)
     if is_replay(document, known, view, "Another view was accepted under this index."):
@@ -99,56 +91,37 @@ def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
 
 
 def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewDocument, detail: str) -> bool:
-    """True if `view` replays the `known` one, False if there is none; raises ConflictError with `detail`."""
+    """True if `view` replays `known`, False without it; raises ConflictError with `detail`."""
     if known is None:
         require_open(document)
         return False
-    if view_fingerprint(known) != view_fingerprint(view):
+    if _same_corners([known], view) is None:
         raise ConflictError(detail, kind="other-content")
     return True
 
 
 def validate_view(document: SessionDocument, view: ViewDocument) -> None:
-    """Validate `view` against board and image (InvalidError) and the session's capacity (ConflictError)."""
-    wrong = corner_errors(document.board, document.img_size, view.ids, view.points)
+    """Validate `view`; raises InvalidError, or ConflictError if the session is full."""
+    wrong = _corner_errors(document.board, document.img_size, view)
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
     _require_room(document, [view])
 
 
 def validate_batch(
-    document: SessionDocument, views: Sequence[ObservedCorners], replayed: Sequence[ViewDocument | None]
-) -> None:
-    """Validate the `views` of a batch that are not `replayed`, as `validate_view` does.
+    document: SessionDocument, index: int, views: Sequence[ObservedCorners]
+) -> list[ViewDocument | None]:
+    """Validate a batch as `validate_view` does; for each view, find the one that an earlier request added.
 
-    InvalidError has one error for each bad view: the first that is wrong with it.
+    InvalidError has the first error of each bad view. Also raises ConflictError.
     """
-    wrong: list[FieldError] = []
-    for n, view in enumerate(views):
-        wrong += corner_errors(document.board, document.img_size, view.ids, view.points, f"views.{n}.")[:1]
-    if wrong:
-        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
-    _require_room(document, [view for view, known in zip(views, replayed, strict=True) if known is None])
-
-
-def require_recorded(document: SessionDocument) -> None:
-    """Raise ConflictError unless the session is one of recorded views, and not in a rig."""
     if document.capture != "recorded" or document.rig is not None:
         raise ConflictError(
             "Only a session that was started with `capture: recorded`, outside a rig, takes several views in "
             "one request.",
             kind="not-recorded",
         )
-
-
-def replayed_views(
-    document: SessionDocument, index: int, views: Sequence[ObservedCorners]
-) -> list[ViewDocument | None]:
-    """For each view of a batch with this `index`, the one that an earlier request of the same content added.
-
-    Raises ConflictError if the index is not open yet, or a view was undone that has it or a later one.
-    """
-    added = [(view_fingerprint(view), view) for view in document.views if view.index >= index]
+    added = [view for view in document.views if view.index >= index]
     if index > document.next_index or len(added) < document.next_index - index:
         raise ConflictError(
             f"This index is not open; send the views with index {document.next_index}.",
@@ -156,14 +129,22 @@ def replayed_views(
         )
     replayed: list[ViewDocument | None] = []
     for view in views:
-        fingerprint = view_fingerprint(view)
-        match = next((n for n, (known, _) in enumerate(added) if known == fingerprint), None)
-        replayed.append(None if match is None else added.pop(match)[1])
+        known = _same_corners(added, view)
+        if known is not None:
+            added.remove(known)
+        replayed.append(known)
+    if None in replayed:
+        require_open(document)
+    wrong: list[FieldError] = []
+    for n, view in enumerate(views):
+        wrong += _corner_errors(document.board, document.img_size, view, f"views.{n}.")[:1]
+    if wrong:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    _require_room(document, [view for view, known in zip(views, replayed, strict=True) if known is None])
     return replayed
 
 
 def _require_room(document: SessionDocument, views: Sequence[ObservedCorners | ViewDocument]) -> None:
-    """Raise ConflictError if the session cannot hold these views too."""
     if sum(len(view.ids) for view in (*document.views, *views)) > MAX_POINTS:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_POINTS} points.", kind="session-full"
@@ -178,60 +159,47 @@ def _require_room(document: SessionDocument, views: Sequence[ObservedCorners | V
 
 def with_view(
     document: SessionDocument,
-    view: ViewDocument,
+    views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
-    statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
     on_target: bool | None = None,
 ) -> SessionDocument:
-    """Add an accepted view to the document. Progress only grows.
+    """Add an accepted view, the last of `views`. Progress only grows.
 
-    `statuses` has the error of each view, and why it is set aside if it is. The view records `on_target` and
-    the error stated after it: the end of the capture depends on both.
+    The end of the capture depends on `on_target` and the stated error of each view.
     """
+    *others, view = views
     stated = estimate.uncertainty.rms if estimate.uncertainty else None
     view = view.model_copy(update={"on_target": on_target, "stated": stated})
     update = {
         "progress": max(document.estimate.progress, estimate.progress),
-        # A suggestion is made once: it is dear to compute, and one more view hardly takes it back.
+        # A suggestion is made once, since it is expensive to compute.
         "suggested_model": estimate.suggested_model or document.estimate.suggested_model,
     }
-    views = (*document.views, view)
     unreached = (*document.unreached, *document.skipped)
-    return document.model_copy(
-        update={
-            "next_index": max(document.next_index, view.index + 1),
-            "views": _with_statuses(views, statuses),
-            "estimate": estimate.model_copy(update=update),
-            "target": None if target is None else dict(target),
-            "skipped": (),
-            "unreached": unreached[-MAX_SKIPPED_TARGETS:],
-            "doubted": (),
-            "duplicates": 0,
-        }
-    )
-
-
-def with_duplicate(document: SessionDocument) -> SessionDocument:
-    """Count a view that was refused as a duplicate."""
-    return document.model_copy(update={"duplicates": document.duplicates + 1})
+    changed = {
+        "next_index": max(document.next_index, view.index + 1),
+        "unreached": unreached[-MAX_SKIPPED_TARGETS:],
+        "doubted": (),
+    }
+    grown = with_views(document, (*others, view), estimate.model_copy(update=update), target)
+    return grown.model_copy(update=changed)
 
 
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None if it is there already.
 
-    It is not shown, and never becomes part of the result. When more views like it come, the accepted ones
-    were wrong.
+    More views like it show that the accepted ones were wrong.
     """
-    if any(view_fingerprint(known) == view_fingerprint(view) for known in document.doubted):
+    if _same_corners(document.doubted, view) is not None:
         return None
     return document.model_copy(update={"doubted": (*document.doubted, view)[-MAX_QUARANTINED_VIEWS:]})
 
 
 def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
-    """Remove the view of `index` and return the others; None if it was undone before.
+    """Views without that of `index`; None if it was undone before.
 
-    Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
+    Raises ConflictError or NotFoundError.
     """
     require_open(document)
     if index >= document.next_index:
@@ -244,60 +212,41 @@ def with_views(
     document: SessionDocument,
     views: tuple[ViewDocument, ...],
     estimate: EstimateDocument,
-    statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
 ) -> SessionDocument:
-    """Replace the views of the document; progress is what these are worth."""
-    return document.model_copy(
-        update={
-            "views": _with_statuses(views, statuses),
-            "estimate": estimate,
-            "target": None if target is None else dict(target),
-            "skipped": (),
-            "duplicates": 0,
-        }
-    )
+    """Replace the views and their estimate."""
+    changed = {"views": views, "estimate": estimate, "target": target, "skipped": (), "duplicates": 0}
+    return document.model_copy(update=changed)
 
 
 def with_estimate(
-    document: SessionDocument, estimate: EstimateDocument, statuses: Sequence[ViewStatus]
+    document: SessionDocument, views: tuple[ViewDocument, ...], estimate: EstimateDocument
 ) -> SessionDocument:
-    """Replace the estimate of the document; what it advised stays."""
+    """Replace the estimate, except its advice, and the views, which have other errors."""
     known = document.estimate
     kept = {"suggested_model": known.suggested_model, "advice": known.advice}
-    return document.model_copy(
-        update={
-            "views": _with_statuses(document.views, statuses),
-            "estimate": estimate.model_copy(update=kept),
-        }
-    )
+    return document.model_copy(update={"views": views, "estimate": estimate.model_copy(update=kept)})
 
 
 def with_advice(document: SessionDocument, estimate: EstimateDocument) -> SessionDocument:
-    """Replace the advice of the document's estimate by that of `estimate`."""
+    """Replace the advice by that of `estimate`."""
     suggested = estimate.suggested_model or document.estimate.suggested_model
     advised = {"advice": estimate.advice, "suggested_model": suggested}
     return document.model_copy(update={"estimate": document.estimate.model_copy(update=advised)})
 
 
-def with_fit(document: SessionDocument, record: Mapping[str, JsonValue]) -> SessionDocument:
-    """Replace the fit of the document's estimate."""
-    fitted = document.estimate.model_copy(update={"fit": FitRecord.model_validate(record)})
-    return document.model_copy(update={"estimate": fitted})
-
-
 def with_target(document: SessionDocument, target: Mapping[str, JsonValue]) -> SessionDocument:
     """Open `target` in the document."""
-    return document.model_copy(update={"target": dict(target)})
+    return document.model_copy(update={"target": target})
 
 
 def without_seed(document: SessionDocument) -> SessionDocument:
-    """Drop the initial camera, and the open target, which was chosen for it."""
+    """Drop the initial camera, and the target, which depends on it."""
     return document.model_copy(update={"prior": None, "target": None})
 
 
 def without_target(document: SessionDocument) -> SessionDocument:
-    """Close the open target and count it among those the user did not want."""
+    """Close the open target, which is not wanted."""
     unwanted = document.skipped if document.target is None else (*document.skipped, document.target)
     return document.model_copy(update={"target": None, "skipped": unwanted[-MAX_SKIPPED_TARGETS:]})
 
@@ -318,31 +267,50 @@ def require_finishable(document: SessionDocument) -> None:
         )
 
 
-def _with_statuses(
-    views: tuple[ViewDocument, ...], statuses: Sequence[ViewStatus]
-) -> tuple[ViewDocument, ...]:
-    return tuple(
-        v.model_copy(update={"rms": rms, "set_aside": aside and SetAside.model_validate(aside)})
-        for v, (rms, aside) in zip(views, statuses, strict=True)
-    )
-
-
-def view_fingerprint(view: ViewDocument | ObservedCorners) -> dict[int, tuple[float, float]]:
-    """Return the corners by id, the same in whichever order they were sent."""
-    return dict(zip(view.ids, view.points, strict=True))
+def _same_corners(known: Sequence[ViewDocument], view: ViewDocument | ObservedCorners) -> ViewDocument | None:
+    """View with the same corners, in any order."""
+    corners = dict(zip(view.ids, view.points, strict=True))
+    return next((one for one in known if dict(zip(one.ids, one.points, strict=True)) == corners), None)
 
 
 def find_seed(
     consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> FitRecord | None:
-    """Find the initial camera of a capture, from what others measured.
+    """Initial camera of a capture: the reliable consensus of this size, zoom and model.
 
-    It is the reliable consensus of this camera at this size, zoom and model. It is not part of the capture's
-    result and need not be right. What is not reliable starts nothing: it may be one person's, of another
-    camera.
+    Others may be of another camera.
     """
     for consensus in consensuses:
         same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
         if same and consensus.reliable and consensus.calibration is not None:
             return FitRecord.model_validate(consensus.calibration.model_dump())
     return None
+
+
+def require_corners(board: Board, img_size: tuple[int, int], views: Sequence[ObservedCorners]) -> None:
+    """Raise InvalidError for corners that the board does not have, or outside the image."""
+    wrong = [
+        error
+        for n, view in enumerate(views)
+        for error in _corner_errors(board, img_size, view, f"views.{n}.")
+    ]
+    if wrong:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+
+
+def _corner_errors(
+    board: Board, img_size: tuple[int, int], view: ViewDocument | ObservedCorners, prefix: str = ""
+) -> list[FieldError]:
+    corners = board.corner_count
+    width, height = img_size
+    wrong = [
+        FieldError(f"{prefix}ids.{i}", f"the board has corners 0 to {corners - 1}")
+        for i, corner in enumerate(view.ids)
+        if corner >= corners
+    ]
+    wrong += [
+        FieldError(f"{prefix}points.{i}", f"outside the image of {width} x {height} px")
+        for i, (x, y) in enumerate(view.points)
+        if not (-_EDGE_PX <= x <= width - _EDGE_PX and -_EDGE_PX <= y <= height - _EDGE_PX)
+    ]
+    return wrong

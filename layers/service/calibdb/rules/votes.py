@@ -1,18 +1,11 @@
 """Votes on a consensus by checks on fresh views: when views fit, who has a vote, and what votes decide.
 
-Three votes for a consensus confirm it although it has fewer calibrations than the rule asks for. Three votes
-against it withdraw it, even a reliable one, until new calibrations agree with it: meanwhile its lookups lead
-to the guidance page, so that new calibrations come. Votes can withhold an answer, but never make a wrong one:
+Three votes for a consensus confirm it although it has few calibrations. Three votes against it since its
+newest calibration withdraw it until new calibrations agree with it, if they are as many as those for it and a
+third of its contributors. Votes can withhold an answer, but never make a wrong one:
 
-* who contributed a calibration of this camera has had their say and votes neither for it nor against;
-* contributors are counted by where they are (`calibdb.access.tokens.source`), here as in the consensus, and
-  by one family of addresses (`count_lines`), so that one line of the network has one vote;
-* votes against count from the newest calibration that agrees on, and as many as there are for it must be
-  there, and a third as many as contributed to it;
-* a consensus is measured by the checker's own data: the noise of the views, and the camera that they
-  determine. The noise behind the consensus is its maker's to choose;
-* images that a calibration was made of are not an independent check of it;
-* agreement cannot be bought with empty views: those that would fit any camera are not counted.
+* contributors of a calibration of this camera do not vote, nor do images of a calibration;
+* a consensus is measured by the checker's own data, since its makers choose the noise behind it.
 """
 
 from __future__ import annotations
@@ -30,16 +23,16 @@ from calibdb.schema.fields import IPV6_SOURCE, size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: smaller errors do not matter
-_MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
-_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width: specimens of one product differ by that, rms over the image
-_MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
-_MAX_INFORMATIVE_WIDTHS = 2e-3  # of the width: predicted error of a camera, up to which it says which it is
+_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width
+_MAX_EXCESS_WIDTHS = 5e-4  # beyond the noise, that no ratio excuses
+_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of one product, rms over the image
+_MAX_SIGMAS = 3.0
+_MAX_INFORMATIVE_WIDTHS = 2e-3  # predicted error of a camera
 
 
 @dataclass(frozen=True)
 class OwnCamera:
-    """Camera determined by the views: px rms over the image, from the consensus, and as predicted."""
+    """Camera determined by the views: px rms from the consensus, and predicted."""
 
     difference: float
     uncertainty: float
@@ -55,24 +48,15 @@ class Finding:
 
 
 def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
-    """True if a consensus explains views that have this error under it.
+    """True if a consensus explains views that have this error, px rms, under it; only poses are fitted.
 
-    Parameters
-    ----------
-    error
-        px rms of the views under the consensus; only poses are fitted.
-    noise
-        px rms of the same views under a camera fitted to them: what no camera can do better.
-    width
-        Width of the image, px.
-    ratio
-        Largest ratio of the error to the noise that fits.
+    `noise`: px rms of the same views under a camera fitted to them.
     """
     return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS_WIDTHS * width))
 
 
 def expected_error(noise: float, width: int) -> float:
-    """Predict the error, px rms, that views of this noise are expected to have under their own camera."""
+    """Predicted error, px rms, of views of this noise under their own camera."""
     return max(noise, _NOISE_FLOOR_WIDTHS * width)
 
 
@@ -81,9 +65,8 @@ def decide_vote(
 ) -> bool | None:
     """Decide whether views vote for a consensus (True), against it (False), or neither (None).
 
-    Views that fit any camera say nothing for this one; views that do not fit it say something against it.
-    `own`: the camera that the views determine, None if they do not. Where its model is another, it may
-    differ in corners that the views do not reach, and what is not alike is only no agreement.
+    `own`: the camera that the views determine, if they do. One of another model may differ where the views do
+    not reach.
     """
     if not is_explained(error, noise, width, ratio):
         return False
@@ -99,16 +82,15 @@ def decide_vote(
 
 
 def view_digest(ids: Sequence[int], points: Sequence[Sequence[float]]) -> str:
-    """Digest of a view's corners: the same picture, found by the same detector, has the same."""
+    """Digest of a view's corners."""
     corners = sorted((i, round(x, 3), round(y, 3)) for i, (x, y) in zip(ids, points, strict=True))
     return hashlib.sha256(repr(corners).encode()).hexdigest()[:8]
 
 
 def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: int, period: int) -> str:
-    """Make the id of a vote: the same for all checks that are one vote, of one camera at one size.
+    """Id of a vote: the same for all checks that are one vote, of one camera at one size.
 
-    These are a source's within `period` seconds; where all are the same contributor (`period` 0), those
-    of one session. It sorts by time, to the period.
+    These are a source's within `period` seconds, or a session's if all are the same contributor (`period` 0).
     """
     # Names of sessions begin with the time of their start.
     voter, moment = (source, f"{now // period * period:08x}") if period else (sid, sid[:8])
@@ -117,18 +99,9 @@ def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: 
 
 
 def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, one_per_source: bool) -> Votes:
-    """Count votes: those against a consensus only from `since` on.
+    """Count votes, the newest first; those against a consensus only from `since` on, its newest calibration.
 
-    Parameters
-    ----------
-    findings
-        Newest first.
-    since
-        Unix seconds of the newest calibration in the group that agrees.
-    sources
-        Sources of the considered calibrations.
-    one_per_source
-        True if contributors can be distinguished: each source then has one vote, the newest.
+    `sources`: of the considered calibrations. `one_per_source`: True if contributors can be distinguished.
     """
     agree: list[str] = []
     disagree: list[str] = []
@@ -141,9 +114,8 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
             agree.append(finding.source)
         elif finding.time >= since:
             disagree.append(finding.source)
-    if one_per_source:
-        return Votes(agree=count_lines(agree), disagree=count_lines(disagree))
-    return Votes(agree=len(agree), disagree=len(disagree))
+    count = count_lines if one_per_source else len
+    return Votes(agree=count(agree), disagree=count(disagree))
 
 
 def decide_reliability(
@@ -151,18 +123,7 @@ def decide_reliability(
 ) -> tuple[Reason | None, Basis | None]:
     """Decide why a consensus is not reliable, or on what basis it is.
 
-    Parameters
-    ----------
-    found
-        Reason why its calibrations do not make it reliable.
-    votes
-        Votes of checks.
-    thresholds
-        The deployment's.
-    confirmable
-        True if only more calibrations like these are missing.
-    contributors
-        Contributors of the agreeing group.
+    `found`: reason by its calibrations. `confirmable`: True if only more of these are missing.
     """
     doubts = max(thresholds.min_votes, math.ceil(thresholds.min_doubt * contributors))
     if votes.disagree >= doubts and votes.disagree >= votes.agree:
@@ -177,7 +138,7 @@ def decide_reliability(
 def with_votes(
     document: ConsensusDocument, votes: Votes, basis: str, thresholds: Thresholds
 ) -> ConsensusDocument:
-    """Apply `votes` to a consensus; `basis` is the digest of its inputs."""
+    """Apply `votes` to a consensus; `basis`: digest of its inputs."""
     calibration = document.calibration
     if calibration is None:
         return document.model_copy(update={"votes": votes, "basis": basis, "reason": document.found})
@@ -194,14 +155,13 @@ def with_votes(
 
 
 def family(source: str) -> str:
-    """Return the address family of a source."""
+    """Address family of a source."""
     return "ipv6" if source.startswith(IPV6_SOURCE) else "ipv4"
 
 
 def count_lines(sources: Iterable[str]) -> int:
-    """Count different sources, only those of the larger family: at least as many lines of the network.
+    """Number of different sources in the larger family of addresses.
 
-    One line of the network commonly has an IPv4 and an IPv6 address, and nothing shows which belong
-    together. So no line is counted twice.
+    A line with both an IPv4 and an IPv6 address must not count twice.
     """
     return max(Counter(map(family, set(sources))).values(), default=0)

@@ -1,7 +1,6 @@
 """Table of facts: every row can be read, names source and licence; no share-alike collection."""
 
 import re
-from urllib.parse import urlsplit
 
 from calibdb.camera_key.names import words
 from calibdb.estimate.angles import horizontal_angle
@@ -30,9 +29,7 @@ def test_every_row_can_be_read() -> None:
 
 def test_every_row_has_a_source_and_a_licence() -> None:
     for row in rows():
-        assert urlsplit(row["url"]).scheme in ("http", "https"), row
-        assert urlsplit(row["url"]).netloc, row
-        assert " " not in row["url"], row
+        assert re.fullmatch(r"https?://[^/ ]+(/[^ ]*)?", row["url"]), row
         assert row["title"], row
         assert row["licence"], row
         assert not SHARE_ALIKE.search(row["licence"]), row

@@ -5,12 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from calibdb.estimate.estimator import EstimateQuery
-from calibdb.estimate.starting_camera import starting_camera
+from calibdb.estimate.estimator import EstimateQuery, starting_camera
 from calibsolver import Board, Camera
 from calibsolver.capture import Capture
 from tests.bench import first_views
-from tests.helpers.marks import thorough
 from tests.helpers.solver import synthetic
 
 C920 = EstimateQuery("HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720))
@@ -41,11 +39,10 @@ def test_no_other_model_is_guessed() -> None:
     assert starting_camera(C920, "omnidirectional") is None
 
 
-@pytest.mark.parametrize("every", [3, *thorough(1)])
 def test_first_views_from_an_estimate_are_accepted_as_often_as_from_the_flat_guess(
-    every: int, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    cameras = synthetic.rectilinear_cameras()[::every]
+    cameras = synthetic.rectilinear_cameras()[::3]
     monkeypatch.setattr(synthetic, "rectilinear_cameras", lambda: cameras)
     flat = first_views.first_accepted(None, seeds=1)
     assert first_views.first_accepted(0.15, seeds=1) >= flat
@@ -53,9 +50,8 @@ def test_first_views_from_an_estimate_are_accepted_as_often_as_from_the_flat_gue
 
 @pytest.mark.thorough
 def test_captures_from_an_estimate_need_no_more_views() -> None:
-    """12 cameras, 6 seeds; one view of 72 captures is noise."""
     flat = first_views.measure(None)
     for sigma in (0.03, 0.15):
         found = first_views.measure(sigma)
         assert found.first >= flat.first
-        assert found.views <= flat.views + 0.05
+        assert found.views <= flat.views + 0.05  # one of 72 captures

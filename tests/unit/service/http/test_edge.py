@@ -17,7 +17,6 @@ SETTINGS = Settings.from_environment({**ENVIRONMENT, "EDGE_SECRETS": f"{SECRET},
 class Service:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.clock = lambda: 1.7e9
 
 
 def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) -> str:
@@ -29,8 +28,9 @@ def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) ->
 
 
 @pytest.mark.parametrize("forwarded", ["192.0.2.7, 198.51.100.9", "203.0.113.1, 192.0.2.7, 198.51.100.9"])
-def test_address_is_the_edges_not_a_forged_header(forwarded: str) -> None:
-    assert address(forwarded, SECRET) == "192.0.2.7"
+@pytest.mark.parametrize("shown", [SECRET, NEXT])
+def test_address_is_the_edges_not_a_forged_header(forwarded: str, shown: str) -> None:
+    assert address(forwarded, shown) == "192.0.2.7"
 
 
 @pytest.mark.parametrize("shown", [None, "", "e" * 31, "ü"])
@@ -38,17 +38,9 @@ def test_address_header_without_secret_is_ignored(shown: str | None) -> None:
     assert address("192.0.2.7, 198.51.100.9", shown) == "198.51.100.9"
 
 
-def test_address_header_is_ignored_where_no_secret_is_set() -> None:
+def test_address_is_the_gateways_without_secrets_or_hops() -> None:
     assert address("192.0.2.7, 198.51.100.9", "", replace(SETTINGS, edge_secrets=())) == "198.51.100.9"
-
-
-def test_edge_without_address_falls_back_to_the_gateway() -> None:
     assert address("198.51.100.9", SECRET) == "198.51.100.9"
-
-
-def test_both_secrets_of_a_rotation_are_taken() -> None:
-    for shown in (SECRET, NEXT):
-        assert address("192.0.2.7, 198.51.100.9", shown) == "192.0.2.7"
 
 
 def test_requests_with_an_unknown_secret_are_counted(

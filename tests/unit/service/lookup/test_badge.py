@@ -1,5 +1,6 @@
 """Badges: what they say, and that nothing a contributor wrote leaves its place in them."""
 
+from typing import Literal
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -16,24 +17,20 @@ def badge(*known: ConsensusDocument, camera: str = "C920 (046d:082d)", least: in
     return badge_of(camera, known, SIZE, Thresholds(min_contributors=least))
 
 
-def test_badge_of_a_reliable_camera_says_its_typical_error() -> None:
-    found = badge(consensus(fit(uncertainty=0.042)))
-    assert found == Badge("C920 1280×720", "calibrated ± 0.04 px", "green")
-
-
-def test_badge_of_a_tiny_error_does_not_say_nought() -> None:
-    assert badge(consensus(fit(uncertainty=0.0042))).state == "calibrated ± 0.004 px"
-    assert badge(consensus(fit(uncertainty=1.234))).state == "calibrated ± 1.2 px"
-
-
-def test_badge_of_too_few_calibrations_counts_them() -> None:
-    found = badge(consensus(reason="too_few", calibrations=2))
-    assert (found.state, found.colour) == ("2 of 5 calibrations", "amber")
-
-
-def test_badge_of_another_size_is_grey() -> None:
-    found = badge(consensus(fit(img_size=(640, 480))))
-    assert (found.camera, found.state, found.colour) == ("C920 1280×720", "not calibrated", "grey")
+@pytest.mark.parametrize(
+    ("known", "state", "colour"),
+    [
+        (consensus(fit(uncertainty=0.042)), "calibrated ± 0.04 px", "green"),
+        (consensus(fit(uncertainty=0.0042)), "calibrated ± 0.004 px", "green"),
+        (consensus(fit(uncertainty=1.234)), "calibrated ± 1.2 px", "green"),
+        (consensus(reason="too_few", calibrations=2), "2 of 5 calibrations", "amber"),
+        (consensus(fit(img_size=(640, 480))), "not calibrated", "grey"),
+    ],
+)
+def test_badge_says_the_typical_error_or_what_is_missing(
+    known: ConsensusDocument, state: str, colour: Literal["green", "amber", "grey"]
+) -> None:
+    assert badge(known) == Badge("C920 1280×720", state, colour)
 
 
 def test_camera_that_no_search_shows_has_no_name_in_a_badge() -> None:

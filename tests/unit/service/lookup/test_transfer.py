@@ -5,14 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from calibdb.lookup.transfer import (
-    bracketing_zooms,
-    build_answer,
-    relate,
-    scaling_window,
-    transfer_intrinsics,
-)
-from calibdb.schema import Calibration, ConsensusDocument, FitRecord, LookupAnswer
+from calibdb.lookup.transfer import Window, bracketing_zooms, build_answer, relate, transfer_intrinsics
+from calibdb.schema import Calibration, ConsensusDocument, FitRecord
 from calibsolver import fit as solve
 from tests.helpers.data import corner_views, external_data
 from tests.helpers.service.known import consensus, fit
@@ -22,60 +16,45 @@ F = 900.0  # px at 1280
 
 
 def at(size: Size, s: float | None = None, **options: object) -> ConsensusDocument:
-    """The camera at a size, its picture scaled by width unless told by what."""
+    """The camera at a size, its picture scaled by width or by `s`."""
     return consensus(fit(size, F * (size[0] / 1280 if s is None else s), uncertainty=0.1), **options)  # type: ignore[arg-type]
 
 
-def asked(known: list[ConsensusDocument], size: Size, answered: int = 0) -> LookupAnswer:
-    found = known[answered].calibration
-    assert found is not None
-    return build_answer(found, known, size)
+SMALL, HD, FULL_HD = (640, 360), (1280, 720), (1920, 1080)
 
 
-@pytest.mark.parametrize("size", [(1920, 1080), (320, 180)])
-def test_relation_outside_the_known_sizes_is_unknown(size: Size) -> None:
-    """A camera that scales from 320 to 960 may cut at 1920: one of those measured does."""
-    found = asked([at((640, 360)), at((960, 540))], size)
-    assert (found.relation, found.adapted) == ("scale", None)
-
-
-def test_another_aspect_between_them_is_another_picture() -> None:
-    found = asked([at((640, 360)), at((1920, 1080))], (1280, 960))
-    assert found.adapted is None
-
-
-def test_unrelated_sizes_do_not_verify_one_between() -> None:
-    found = asked([at((640, 360)), at((1920, 1080), s=1.9)], (1280, 720))
-    assert (found.relation, found.adapted) == ("scale+crop", None)
-
-
-def test_two_unreliable_calibrations_verify_the_size_relation() -> None:
-    few = at((640, 480), s=0.5, reason="too_few", calibrations=2)
-    found = asked([at((1280, 960)), few], (640, 480))
-    assert found.relation == "scale"
-    assert found.adapted is not None
-    assert found.adapted.camera_matrix[0][0] == pytest.approx(F / 2)
-    cut = at((640, 480), s=1.0, reason="few_contributors", calibrations=3)
-    found = asked([at((1280, 720)), cut], (640, 480))
-    assert found.relation == "crop"
-    assert found.adapted is not None
-    assert found.adapted.camera_matrix[0][0] == pytest.approx(F)
-
-
-@pytest.mark.parametrize(("reason", "calibrations"), [("too_few", 1), ("disagree", 6)])
-def test_single_or_contradictory_calibrations_verify_nothing(reason: str, calibrations: int) -> None:
-    # Between two sizes that scale, too: what is known of this very size comes first.
-    known = [at((640, 360)), at((1920, 1080)), at((1280, 720), reason=reason, calibrations=calibrations)]
-    found = asked(known, (1280, 720))
-    assert (found.relation, found.adapted) == (None, None)
-
-
-def test_evidence_against_scaling_outweighs_other_sizes() -> None:
-    known = [at((640, 360)), at((1920, 1080)), at((1280, 720), s=1.3, reason="too_few", calibrations=3)]
-    found = asked(known, (1280, 720), 1)
-    assert found.relation == "scale+crop"
-    assert found.adapted is not None
-    assert found.adapted.camera_matrix[0][0] == pytest.approx(1.3 * F, rel=1e-3)
+@pytest.mark.parametrize(
+    ("known", "size", "relation", "focal"),
+    [
+        pytest.param([at(SMALL), at((960, 540))], FULL_HD, "scale", None, id="above the known sizes"),
+        pytest.param([at(SMALL), at((960, 540))], (320, 180), "scale", None, id="below the known sizes"),
+        pytest.param([at(SMALL), at(FULL_HD)], (1280, 960), "scale", None, id="another aspect"),
+        pytest.param([at(SMALL), at(FULL_HD, s=1.9)], HD, "scale+crop", None, id="between unrelated sizes"),
+        pytest.param(
+            [at((1280, 960)), at((640, 480), reason="too_few", calibrations=2)], (640, 480), "scale", F / 2,
+            id="two calibrations there",
+        ),
+        *(
+            pytest.param([at(SMALL), at(FULL_HD), at(HD, reason=reason, calibrations=n)], HD, None, None)
+            for reason, n in (("too_few", 1), ("disagree", 6))
+        ),
+        pytest.param(
+            [at(FULL_HD), at(SMALL), at(HD, s=1.3, reason="too_few", calibrations=3)],
+            *(HD, "scale+crop", 1.3 * F),
+            id="evidence there outweighs sizes around",
+        ),
+    ],
+)  # fmt: skip
+def test_only_verified_relations_adapt_the_intrinsics(
+    known: list[ConsensusDocument], size: Size, relation: str | None, focal: float | None
+) -> None:
+    assert known[0].calibration is not None
+    answer = build_answer(known[0].calibration, known, size)
+    assert answer.relation == relation
+    if focal is None or answer.adapted is None:
+        assert answer.adapted is focal
+    else:
+        assert answer.adapted.camera_matrix[0][0] == pytest.approx(focal, rel=1e-3)
 
 
 def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
@@ -85,11 +64,10 @@ def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
 @pytest.mark.parametrize(
     ("known", "zoom"),
     [
-        (((1.0, 900.0), (2.0, 1700.0)), 0.0),  # a browser that does not say
-        (((1.0, 900.0), (2.0, 850.0)), 1.5),  # not growing
-        (((1.0, 900.0), (2.0, 1700.0), (3.0, 1600.0)), 1.5),  # nor everywhere
+        (((1.0, 900.0), (2.0, 1700.0)), 0.0),
+        (((1.0, 900.0), (2.0, 1700.0), (3.0, 1600.0)), 1.5),  # not growing everywhere
         (((1.0, 900.0), (4.0, 3600.0)), 2.0),  # too far apart
-        (((0.0, 900.0), (2.0, 1700.0)), 1.0),  # 0: a browser that does not say; it may have been 1
+        (((0.0, 900.0), (2.0, 1700.0)), 1.0),  # 0: unknown
     ],
 )
 def test_incomparable_zooms_are_not_interpolated(known: tuple[tuple[float, float], ...], zoom: float) -> None:
@@ -97,7 +75,6 @@ def test_incomparable_zooms_are_not_interpolated(known: tuple[tuple[float, float
 
 
 def omnidirectional(zoom: float, f: float, xi: float) -> ConsensusDocument:
-    """A camera of focal length `f` at the axis, and so of fx = (1 + xi) f."""
     return consensus(fit(f=(1 + xi) * f, distortion=(xi, 0, 0, 0, 0), model="omnidirectional"), zoom=zoom)
 
 
@@ -107,7 +84,6 @@ def omnidirectional(zoom: float, f: float, xi: float) -> ConsensusDocument:
         (((900.0, 2.0), (1500.0, 0.5)), True),  # grows 1.7 times; its fx shrink from 2700 to 2250
         (((900.0, 0.5), (850.0, 2.0)), False),  # shrinks; its fx grow from 1350 to 2550
         (((900.0, 0.6), (2000.0, 0.0)), False),  # grows 2.2 times, too far; its fx 1.4 times
-        (((900.0, 0.0), (1700.0, 1.0)), True),  # grows 1.9 times; its fx 3.8 times
     ],
 )
 def test_zoom_interpolation_is_gated_by_focal_lengths_at_the_axis(
@@ -117,13 +93,10 @@ def test_zoom_interpolation_is_gated_by_focal_lengths_at_the_axis(
     assert (bracketing_zooms(documents, (1280, 720), 1.5, "omnidirectional") is not None) is interpolated
 
 
-def test_only_reliable_calibrations_are_interpolated() -> None:
-    known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
-    assert bracketing_zooms(known, (1280, 720), 1.5, "rectilinear") is None
-
-
-def test_contradictory_zoom_is_not_interpolated_over() -> None:
+def test_only_reliable_calibrations_are_interpolated_and_none_contradicted() -> None:
     known = zoomed((1.0, 900.0), (2.0, 1500.0))
+    unreliable = consensus(fit(f=1500.0), zoom=2.0, reason="too_few")
+    assert bracketing_zooms([known[0], unreliable], (1280, 720), 1.5, "rectilinear") is None
     too_few = consensus(fit(f=1200.0), zoom=1.5, reason="too_few", calibrations=1)
     assert bracketing_zooms([*known, too_few], (1280, 720), 1.5, "rectilinear") is not None
     at_odds = consensus(fit(f=1000.0), zoom=1.5, reason="disagree")
@@ -178,7 +151,7 @@ def test_relation_transfers_the_intrinsics(size: Size, s: float, relation: str) 
 def test_half_a_pixel_is_kept() -> None:
     """The middle of the picture stays the middle: c' = (c + ½) s − ½."""
     of = camera(fit((1280, 720), 900.0, (639.5, 359.5)))
-    (_, _, x), (_, _, y), _ = transfer_intrinsics(of, scaling_window(of, (640, 360)))[0]
+    (_, _, x), (_, _, y), _ = transfer_intrinsics(of, Window(0.5, 0.5, (640, 360)))[0]
     assert (x, y) == (319.5, 179.5)
 
 
@@ -215,7 +188,6 @@ def measured(name: str) -> Calibration:
     [("pv_charuco_1280", "pv_charuco_480", 1.06 / 0.88), ("pv_picam_1920", "pv_picam_960", 1.0 / 1.43)],
 )
 def test_real_cameras_whose_field_of_view_differs_between_sizes(one: str, other: str, ratio: float) -> None:
-    """Scaling the matrix would be wrong by a fifth, and by a third; neither is offered."""
     a, b = measured(one), measured(other)
     widths = [c.camera_matrix[0][0] / c.img_size[0] for c in (a, b)]
     assert widths[1] / widths[0] == pytest.approx(ratio, rel=0.01)

@@ -4,6 +4,8 @@ import socket
 import ssl
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,43 +17,27 @@ from tests.helpers.service import proof_host as hosts
 
 PUBLIC = "93.184.216.34"
 
-#: addresses that a name may resolve to, none of which is public
 INNER_ADDRESSES = [
-    "127.0.0.1", "127.1.2.3", "0.0.0.0", "10.0.0.1", "172.16.0.1", "172.31.255.255", "192.168.1.1",
-    "169.254.169.254", "169.254.170.2", "100.64.0.1", "192.0.0.192", "192.0.2.1", "198.18.0.1",
-    "198.51.100.7", "203.0.113.9", "224.0.0.1", "239.255.255.250", "240.0.0.1", "255.255.255.255",
-    "::", "::1", "::127.0.0.1", "::ffff:127.0.0.1", "::ffff:169.254.169.254", "::ffff:a9fe:a9fe",
-    "::ffff:0:10.0.0.1", "64:ff9b::10.0.0.1", "64:ff9b::a9fe:a9fe", "64:ff9b:1::a00:1", "2002:a00:1::1",
-    "2002:7f00:1::", "2001:0:4136:e378:8000:63bf:3fff:fdd2", "2001:db8::1", "3fff::1", "fe80::1",
-    "fe80::1%eth0", "2600::1%1", "fc00::1", "fd00:ec2::254", "fec0::1", "ff02::1", "100::1", "5f00::1",
-    "2001:10::1", "2001:20::1",
-    "localhost", "", "1.2.3", "0x7f.0.0.1", "017700000001",
+    "127.0.0.1", "0.0.0.0", "10.0.0.1", "172.31.255.255", "192.168.1.1", "169.254.169.254", "100.64.0.1",
+    "192.0.0.192", "192.0.2.1", "198.18.0.1", "198.51.100.7", "203.0.113.9", "239.255.255.250", "240.0.0.1",
+    "::1", "::127.0.0.1", "::ffff:169.254.169.254", "64:ff9b::10.0.0.1", "fe80::1%eth0", "fc00::1", "ff02::1",
+    "2002:a00:1::1", "2001:0:4136:e378:8000:63bf:3fff:fdd2", "2001:db8::1", "3fff::1", "2600::1%1",
+    "2001:20::1", "localhost", "", "1.2.3", "0x7f.0.0.1", "017700000001",
 ]  # fmt: skip
 
-#: origins that are none, or none that can be proved: refused before anything is resolved
 EVASIVE_ORIGINS = [
-    "http://example.org", "ftp://example.org", "file:///etc/passwd", "gopher://example.org", "//example.org",
-    "https://127.0.0.1", "https://2130706433", "https://0x7f000001", "https://0x7f.1", "https://127.1",
-    "https://0177.0.0.1", "https://1.2.3.4", "https://169.254.169.254", "https://[::1]",
-    "https://[::ffff:169.254.169.254]", "https://[fe80::1%25eth0]", "https://①②⑦.0.0.1",
-    "https://example.org:443", "https://example.org:8443", "https://example.org:22", "https://user@example.org",
-    "https://user:pass@example.org", "https://example.org@10.0.0.1", "https://example.org#@10.0.0.1",
-    "https://example.org/", "https://example.org/path", "https://example.org?x", "https://example.org\\@10.0.0.1",
-    "https://example.org\r\nHost: 10.0.0.1", "https://example.org%00.internal", "https://example.org ",
-    "https://example.org.", "https://example", "https://metadata.google.internal", "https://printer.local",
-    "https://router.home.arpa", "https://x.onion", "https://1.0.0.127.in-addr.arpa", "https://a.localhost",
-    "https://-a.example.org", "https://a..example.org", f"https://{'a' * 64}.org", f"https://{'a.' * 130}org",
-    "https://ex\u0430mple.org", "https://example.org\u3002internal", "https://a_b.example.org",
-    "https://example.0x7f", "https://example.1",
+    "file:///etc/passwd", "//example.org", "https://127.0.0.1", "https://0x7f.1", "https://169.254.169.254",
+    "https://[::1]", "https://①②⑦.0.0.1", "https://example.org:443", "https://user:pass@example.org",
+    "https://example.org#@10.0.0.1", "https://example.org/", "https://example.org\\@10.0.0.1",
+    "https://example.org\r\nHost: 10.0.0.1", "https://example.org ", "https://example.org.", "https://example",
+    "https://metadata.google.internal", "https://x.onion", "https://1.0.0.127.in-addr.arpa",
+    "https://a.localhost", f"https://{'a' * 64}.org", f"https://{'a.' * 130}org", "https://ex\u0430mple.org",
+    "https://example.org\u3002internal", "https://example.0x7f",
 ]  # fmt: skip
-
-
-class RefusedError(AssertionError):
-    """Something was connected to that must not be."""
 
 
 def never(address: str, _: float) -> socket.socket:
-    raise RefusedError(address)
+    raise AssertionError(address)
 
 
 @pytest.mark.parametrize("address", INNER_ADDRESSES)
@@ -70,15 +56,11 @@ def test_origin_without_a_public_name_at_the_https_port_has_no_proof(origin: str
 
 @pytest.mark.parametrize("address", [PUBLIC, "8.8.8.8", "2600:1f18::1", "2a00:1450:4001::200e"])
 def test_public_address_is_connected_to_by_its_address(address: str) -> None:
-    with pytest.raises(RefusedError, match=address):
+    with pytest.raises(AssertionError, match=address):
         read_proof("example.org", resolve=lambda _: [address], connect=never)
 
 
 def test_peer_that_is_not_public_gets_no_byte() -> None:
-    ours, theirs = socket.socketpair()
-    with theirs, pytest.raises(ProofError, match="address"):
-        # A Unix socket has no address at all; that of the loopback interface is tried below.
-        read_proof("example.org", resolve=lambda _: [PUBLIC], connect=lambda *_: _Named(ours))
     with socket.create_server(("127.0.0.1", 0)) as listener:
 
         def inwards(_: str, timeout_s: float) -> socket.socket:
@@ -89,16 +71,6 @@ def test_peer_that_is_not_public_gets_no_byte() -> None:
         accepted, _ = listener.accept()
         with accepted:
             assert accepted.recv(1) == b""  # closed, and nothing was sent
-
-
-class _Named(socket.socket):
-    """A connection whose peer has the address of a metadata service."""
-
-    def __init__(self, other: socket.socket) -> None:
-        super().__init__(fileno=other.detach())
-
-    def getpeername(self) -> tuple[str, int]:
-        return ("169.254.169.254", 443)
 
 
 def test_name_that_resolves_to_something_else_the_second_time_is_resolved_once() -> None:
@@ -112,7 +84,7 @@ def test_name_that_resolves_to_something_else_the_second_time_is_resolved_once()
     with pytest.raises(ProofError, match="connection"):
         read_proof("example.org", resolve=lambda _: next(answers), connect=connect)
     assert met == [PUBLIC]
-    assert next(answers) == ["127.0.0.1"]  # nobody asked again
+    assert next(answers) == ["127.0.0.1"]
 
 
 @pytest.mark.parametrize("error", [socket.gaierror("no name"), UnicodeError("label too long")])
@@ -134,8 +106,8 @@ def http(status: str, body: bytes = b"", *headers: str) -> bytes:
 
 def test_proof_is_read_without_cookies_or_credentials(tmp_path: Path) -> None:
     with hosts.proof_host(tmp_path, http("200 OK", b"a\nb\n", "Set-Cookie: a=b")) as host:
-        assert fetch(host) == "a\nb\n"
-        assert fetch(host) == "a\nb\n"
+        for _ in range(2):
+            assert fetch(host) == "a\nb\n"
     for asked in host.asked:
         lines = asked.decode().split("\r\n")
         assert lines[0] == "GET /.well-known/calibdb.txt HTTP/1.1"
@@ -146,12 +118,10 @@ def test_proof_is_read_without_cookies_or_credentials(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("answer", "reason"),
     [
-        *((http(f"{n} X", b"x", "Location: http://10.0.0.1/"), "redirect") for n in (301, 302, 307, 308)),
+        *((http(f"{n} X", b"x", "Location: http://10.0.0.1/"), "redirect") for n in (301, 308)),
         (http("404 X", b"x"), "status"),
         (http("204 X"), "status"),
-        (http("500 X"), "status"),
         (http("200 OK", b"x" * (MAX_PROOF_BYTES + 1)), "size"),
-        (http("200 OK", b"x" * 100_000), "size"),
         (http("200 OK", b"x", "X: " + "y" * 70_000), "size"),
         (http("200 OK", b"x", "Content-Encoding: gzip"), "answer"),
         (http("200 OK", b"\xff\xfe\xfd"), "content"),
@@ -179,6 +149,14 @@ def test_certificate_of_another_name_is_refused(tmp_path: Path) -> None:
 MAX_S = 0.2  # of these fetches, s
 
 
+@contextmanager
+def timed_out() -> Iterator[None]:
+    begun = time.monotonic()
+    with pytest.raises(ProofError, match="timeout"):
+        yield
+    assert time.monotonic() - begun < 10 * MAX_S
+
+
 def test_answer_that_drips_ends_in_time(tmp_path: Path) -> None:
     stop = threading.Event()
 
@@ -188,20 +166,16 @@ def test_answer_that_drips_ends_in_time(tmp_path: Path) -> None:
             secured.sendall(b"X: y\r\n")
 
     with hosts.proof_host(tmp_path, drip) as host:
-        begun = time.monotonic()
-        with pytest.raises(ProofError, match="timeout"):
+        with timed_out():
             fetch(host, max_s=MAX_S)
-        assert time.monotonic() - begun < 10 * MAX_S
         stop.set()
 
 
 def test_handshake_that_hangs_ends_in_time() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         silent = hosts.ProofHost(listener.getsockname()[1], ssl.create_default_context())
-        begun = time.monotonic()
-        with pytest.raises(ProofError, match="timeout"):
+        with timed_out():
             fetch(silent, max_s=MAX_S)
-        assert time.monotonic() - begun < 10 * MAX_S
 
 
 def test_resolver_that_hangs_ends_in_time() -> None:
@@ -211,6 +185,6 @@ def test_resolver_that_hangs_ends_in_time() -> None:
         release.wait(10)
         return [PUBLIC]
 
-    with pytest.raises(ProofError, match="timeout"):
+    with timed_out():
         read_proof("example.org", resolve=hang, connect=never, max_s=MAX_S)
     release.set()
