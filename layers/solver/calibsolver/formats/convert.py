@@ -14,6 +14,7 @@ from ..fitting.fit import fit
 from ..fitting.levenberg_marquardt import Options, Problem
 from ..fitting.observations import Observations
 from ..fitting.plausibility import MAX_SHARE_OUTSIDE_DOMAIN
+from ..fitting.validation import MAX_OUTSIDE, MIN_POINTS
 from ..view import View
 from .base import Conversion, ExportSource, ModelConstraint
 from .ray_fit import fit_to_rays, free_directions, sampled_rays
@@ -40,9 +41,9 @@ RIM_MARGIN = 1e-6
 def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
     """Return the camera closest to the source's that one of `constraints` can hold.
 
-    Its own if possible. Otherwise each constraint is fitted to the views (without any, to the rays of the
-    image), and the first wins that explains them about as well as the best: what a tool is used to comes
-    first.
+    Its own if possible. Otherwise each constraint is fitted to the views in the image (without any, to the
+    rays of the image), and the first wins that explains them about as well as the best: what a tool is used
+    to comes first.
 
     Raises CalibrationError ``not_representable`` if none comes near.
     """
@@ -50,7 +51,8 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
         same = _embed(source.camera, constraint.model)
         if same is not None and satisfies(same, constraint):
             return Conversion(same)
-    source = _in_shape(source)
+    masks = [_inside(view, source.camera.img_size) for view in source.views]
+    source = _in_shape(_seen(source, masks))
     candidates: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
@@ -58,10 +60,12 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     for constraint in constraints:
         try:
             camera, used = fitted(source, constraint)
-            conversion = replace(compare(source.camera, camera), used=used)
+            conversion = replace(compare(source.camera, camera), used=_of_all(used, masks))
             candidates.append((_rms(source, camera, widest), conversion))
         except CalibrationError as error:
             reasons.append(str(error))
+    if not candidates and source.views and not all(mask.all() for mask in masks):
+        return convert(replace(source, views=()), constraints)  # a crop has left too little of them
     if not candidates:
         raise CalibrationError("not_representable", f"this format cannot hold the camera: {reasons[0]}")
     enough = MAX_EQUAL_RMS_RATIO * min(rms for rms, _ in candidates) + MAX_EQUAL_RMS_PX
@@ -75,6 +79,30 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
             "not_representable", f"the closest camera this format can hold is {away} somewhere in the image"
         )
     return conversion
+
+
+def _inside(view: View, img_size: tuple[int, int]) -> Mask:
+    """Mask (n,) of the points of a view that a fit to an image accepts: a crop leaves others outside."""
+    half = np.array(img_size) / 2
+    beyond = np.abs(view.image_points + 0.5 - half) - half
+    inside = beyond.max(axis=1) <= MAX_OUTSIDE * max(img_size)
+    return inside if inside.sum() >= MIN_POINTS else np.zeros(len(view), dtype=bool)
+
+
+def _seen(source: ExportSource, masks: Sequence[Mask]) -> ExportSource:
+    """Source with the points that `masks` (n,) name, without views that have none."""
+    pairs = zip(source.views, masks, strict=True)
+    return replace(source, views=tuple(view.subset(mask) for view, mask in pairs if mask.any()))
+
+
+def _of_all(used: Sequence[Mask], masks: Sequence[Mask]) -> tuple[Mask, ...]:
+    """Masks of the points used, among all points of all views; `used` is of those that `masks` name."""
+    if not used:
+        return ()
+    whole = [mask.copy() for mask in masks]
+    for mask, part in zip((mask for mask in whole if mask.any()), used, strict=True):
+        mask[mask] = part
+    return tuple(whole)
 
 
 def _in_shape(source: ExportSource) -> ExportSource:
