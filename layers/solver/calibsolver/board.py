@@ -1,4 +1,4 @@
-"""Calibration boards (ChArUco, chessboard, AprilGrid): their corners, and their pictures' parameters."""
+"""Calibration boards: their corners, and the parameters of their pictures."""
 
 import math
 import re
@@ -35,11 +35,11 @@ class Board:
     Frame: x right, y down, z away from the viewer; a board that faces the camera upright has rotation 0.
     Corner id = row * (squares_x - 1) + column lies at (column + 1, row + 1, 0), as in OpenCV.
 
-    An AprilGrid is numbered as Kalibr numbers it: tags row by row from the lower left one, id = 4 * tag +
-    corner, corners anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
+    An AprilGrid is numbered as by Kalibr: tags row by row from the lower left one, id = 4 * tag + corner,
+    corners anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
 
     A grid of circles has its circles as corners, row by row from the upper left, circle 0 at (1, 1). The unit
-    is the distance between rows. In an asymmetric grid, as OpenCV has it, the circles of a row are two units
+    is the distance between rows. In an asymmetric grid, as in OpenCV, the circles of a row are two units
     apart, and odd rows are shifted by one.
 
     Attributes
@@ -51,7 +51,7 @@ class Board:
     dictionary
         OpenCV's name: ``DICT_<n>X<n>_<count>``, ``DICT_ARUCO_ORIGINAL`` or ``DICT_APRILTAG_<family>``.
     legacy
-        The layout of OpenCV before 4.6: where the number of rows is even, the first square holds a marker.
+        The layout of OpenCV before 4.6: if the number of rows is even, the first square has a marker.
     kind
         One of `KINDS`. A chessboard has no markers; its first square is black.
     inverted
@@ -59,7 +59,7 @@ class Board:
     tag_spacing
         Gap between the tags of an AprilGrid / side of a tag.
     surface
-        ``screen`` if a screen shows the board, which is flat then: its views have no shape. None: anything.
+        ``screen`` if a screen shows the board, which is flat then: its views have no shape.
 
     Raises ValueError for a board that cannot exist.
     """
@@ -109,10 +109,7 @@ class Board:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "Board":
-        """Board of plain values under the names of its attributes; missing ones have their defaults.
-
-        Raises ValueError for a board that cannot exist.
-        """
+        """Board of plain values under the names of its attributes; missing ones have their defaults."""
         values = dict(record)
         if "squares" in values:
             w, h = values["squares"]
@@ -137,7 +134,7 @@ class Board:
 
     @property
     def has_markers(self) -> bool:
-        """True if a part of the board identifies itself; a chessboard must be visible as a whole."""
+        """True if a part of the board identifies itself; other boards must be visible as a whole."""
         return self.kind in ("charuco", "aprilgrid")
 
     @property
@@ -200,7 +197,7 @@ class Board:
 
     @cached_property
     def outline(self) -> Array:
-        """The corners of the board's edge, clockwise from the top left, (4, 3), board units and frame."""
+        """Corners of the board's edge, clockwise from the top left, (4, 3), board units and frame."""
         w, h = self.size
         top = -h if self.kind == "aprilgrid" else 0.0
         return frozen([[0, top, 0], [w, top, 0], [w, top + h, 0], [0, top + h, 0]])
@@ -214,7 +211,7 @@ class Board:
         return int(match.group(1)) if match else 5
 
     def view(self, ids: Sequence[int], points: object) -> View:
-        """Return the view in which the corners `ids` (n) were seen at `points` (n, 2) px.
+        """View in which the corners `ids` (n) were seen at `points` (n, 2) px.
 
         Raises ValueError for an id that is not on the board or is given twice.
         """
@@ -230,7 +227,7 @@ class Board:
         return View(self.points[index], seen, flat=self.surface == "screen")
 
     def views(self, records: Iterable[Mapping[str, Any]]) -> list[View]:
-        """Build views of records of plain values: `ids` (n), `points` (n, 2) px; other members are ignored.
+        """Views of records of plain values, `ids` (n) and `points` (n, 2) px.
 
         Raises ValueError as `view` does.
         """

@@ -15,7 +15,7 @@ from .fitting.validation import MIN_POINTS
 from .view import View
 
 PRIOR_FREEDOM = 20.0
-"""Degrees of freedom that the noise of the calibration counts for, next to the residuals of the view."""
+"""Degrees of freedom of the calibration's noise, next to the residuals of the view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +27,8 @@ class BoardPose:
     rvec, tvec
         (3,) rotation vector, radians, and translation, units of the object points.
     covariance
-        (6, 6) of a small turn of the board in the camera frame, radians (R becomes exp(w) R), and of t. It
-        counts the noise of the corners, and what the camera's own covariance leaves open.
+        (6, 6) of a small turn of the board in the camera frame, radians (R becomes exp(w) R), and of t, by
+        the noise of the corners and the covariance of the camera.
     rms
         px, root of the (weighted) mean square distance between the points and their projections.
     noise
@@ -51,8 +51,7 @@ class BoardPose:
     @property
     def std(self) -> Array:
         """(6,) standard deviations: the diagonal of `covariance`."""
-        deviations: Array = np.sqrt(np.diagonal(self.covariance))
-        return deviations
+        return np.sqrt(np.diagonal(self.covariance))
 
 
 @undetermined()

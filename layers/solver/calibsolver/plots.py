@@ -1,8 +1,4 @@
-"""Plots of a calibration, by matplotlib (the extra ``plot``): each draws into an axis, `report` draws all.
-
-Residuals as arrows, where the board was seen, the uncertainty over the picture, the poses of the board, and a
-picture before and after it is rectified.
-"""
+"""Plots of a calibration, by matplotlib (the extra ``plot``): each draws into an axis, `report` draws all."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -21,7 +17,7 @@ TYPICAL_PERCENTILE = 90.0
 STD_GRID = (64, 48)
 """Columns and rows of the uncertainty map."""
 LINES = 9
-"""Straight lines of the scene each way that are drawn before and after."""
+"""Straight lines of the scene each way."""
 
 
 def residuals(axes: Any, calibration: Calibration, views: Sequence[View]) -> None:
@@ -111,7 +107,7 @@ def before_after(before: Any, after: Any, camera: Camera, picture: Any = None) -
 
 
 def report(calibration: Calibration, views: Sequence[View], title: str = "", picture: Any = None) -> Any:
-    """Return a figure with all plots."""
+    """Figure with all plots."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(16, 9.5), layout="constrained")

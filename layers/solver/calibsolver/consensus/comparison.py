@@ -13,7 +13,7 @@ from ..view import View
 from .agreement import difference
 
 MAX_RMS_RATIO = 1.5
-"""Error under the calibration / error under a camera fitted to the views, up to which it fits."""
+"""Error under the calibration / under a camera fitted to the views, up to which it fits."""
 MAX_EXCESS_WIDTHS = 0.15 / 1280
 """Excess of the one over the other / image width up to which it fits as well."""
 
@@ -47,9 +47,9 @@ class Comparison:
 
 @undetermined()
 def compare(camera: Camera, views: Sequence[View]) -> Comparison:
-    """Compare a camera with a fit of `views` in its model. Raises CalibrationError as `fit` does.
+    """Compare a camera with a fit of `views` in its model; raises CalibrationError as `fit` does.
 
-    Both errors are those of the board in the shape that the fit finds.
+    Both errors are of the board in the shape that the fit finds.
     """
     own = fit(views, camera.img_size, camera.model)
     used = [

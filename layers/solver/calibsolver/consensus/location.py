@@ -1,10 +1,9 @@
 """Location of a camera's contributors: the camera in the middle of theirs, and the influence of two on it.
 
-The views of every contributor are worth no more than those of the median one, whatever the number of points.
-And every contributor has a specimen of their own, which deviates from the location by MIN_SPREAD_WIDTHS at
-least, which bounds the weight of a contributor in every direction (random effects). Deviations have
-Huber's loss (Huber 1964): a contributor farther away than HUBER_WIDTHS pulls no harder. The location is the
-minimum of a convex function, so there is one.
+The views of a contributor are worth no more than those of the median one, however many points they have.
+Every contributor has a specimen of their own, at least MIN_SPREAD_WIDTHS from the location, which bounds
+their weight in every direction (random effects). Deviations have Huber's loss (Huber 1964). The location is
+the minimum of a convex function, so there is one.
 """
 
 import itertools
@@ -30,16 +29,15 @@ from .agreement import COMPARISON_GRID
 MIN_SPREAD_WIDTHS = 0.42 / 1280
 """Standard deviation between specimens, rms over the image / image width: 0.1 % of the focal length."""
 HUBER_WIDTHS = 0.75 / 1280
-"""Deviation of a specimen from the location, px rms over the image / image width, beyond which it pulls no
-harder: what 0.18 % of the focal length are, and specimens of one product differ by 0.1 to 0.4 %."""
+"""Deviation of a specimen from the location, px rms over the image / image width, beyond which it pulls
+no harder: 0.18 % of the focal length. Specimens of one product differ by 0.1 to 0.4 %."""
 MAX_IRLS_ITERATIONS = 100
-"""Iterations of the M-estimate."""
 IRLS_TOLERANCE_PX = 1e-5
 """Step, px rms over the image, below which the M-estimate has settled."""
 MIN_METRIC = 1e-6
-"""Share by which every parameter moves the image at least: invisible directions must not be singular."""
+"""Share by which every parameter moves the image at least: the metric must not be singular."""
 MAX_VIEW_POINTS = 150
-"""Points of a view that are linearized; the others are as many more of the same."""
+"""Points of a view that are linearized, and stand for the others."""
 MAX_LINEARIZATIONS = 5
 STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
 """Shares of a step that are tried, and the growth of the cost up to which one is taken."""
@@ -95,12 +93,7 @@ class FittedMember:
 class Contributions:
     """Views of one camera's calibrations, linearized about common intrinsics, by contributor.
 
-    Parameters
-    ----------
-    fitted
-        The c calibrations, all of one model and image size.
-    camera
-        Camera of the linearization, near all agreeing ones.
+    The c calibrations are of one model and image size, `camera` is near all agreeing ones.
     """
 
     def __init__(self, fitted: Sequence[FittedMember], camera: Camera) -> None:
@@ -109,9 +102,7 @@ class Contributions:
         self.model = models.get(camera.model)
         width = camera.img_size[0]
         self.huber_px = HUBER_WIDTHS * width
-        contributors = [f.member.contributor for f in fitted]
-        numbers = {name: i for i, name in enumerate(dict.fromkeys(contributors))}  # by members, not by name
-        self.owner: IntArray = np.array([numbers[name] for name in contributors], dtype=np.int64)
+        self.owner = number_owners([f.member.contributor for f in fitted])
         k = camera.intrinsics
         d = projection_jacobian_rotation_free(self.model, k, camera.img_size, COMPARISON_GRID)
         metric = image_error_metric(d)
@@ -134,14 +125,13 @@ class Contributions:
         self.prior = (j * self.scale).T @ (j * self.scale), -(j * self.scale).T @ r
 
     def _scale_covariance(self, covariance: Array) -> Array:
-        """Covariance (p, p) of scaled intrinsics."""
         return covariance / self.scale[:, None] / self.scale
 
     def _linearize(self, f: FittedMember) -> tuple[Array, Array, float]:
         """Information (p, p) of a calibration's inliers, poses eliminated, half its descent (p,), and cost.
 
-        The noise is what the calibration's covariance says, be it more than that of the corners. Of views
-        with many points some suffice, because specimens differ by more than their errors.
+        The noise is that of the calibration's covariance, at least that of the corners. Of views with many
+        points some suffice, because specimens differ by more than their errors.
         """
         pairs = zip(f.member.views, f.calibration.used, strict=True)
         chosen = [thin(view, mask) for view, mask in pairs if mask.sum() >= MIN_POSE_POINTS]
@@ -198,7 +188,7 @@ class Contributions:
         return Location(y, numbers, weights, deviations)
 
     def _by_contributor(self, members: Sequence[int] | IntArray) -> tuple[IntArray, Array, Array]:
-        """Add up information (c, p, p) and gradients (c, p) by contributor, bounded by the median one's."""
+        """Sum information (c, p, p) and gradients (c, p) by contributor, bounded by the median one's."""
         chosen = np.asarray(members, dtype=np.intp)
         numbers, part = np.unique(self.owner[chosen], return_inverse=True)
         s = np.zeros((len(numbers), *self.metric.shape))
@@ -231,7 +221,7 @@ class Contributions:
     def covariance(self, members: Sequence[int], location: Location) -> Array:
         """Covariance (p, p) of the intrinsics at a location.
 
-        It holds the noise of the corners, and the differences between contributors beyond what noise explains
+        It contains the noise of the corners, and the differences between contributors beyond that noise
         (method of moments), with contributors as clusters.
         """
         _, s, b = self._by_contributor(members)
@@ -249,7 +239,7 @@ class Contributions:
         return out
 
     def majority_spread(self, members: Sequence[int]) -> float:
-        """Compute the standard deviation, px rms, of the majority of specimens nearest to the location."""
+        """Standard deviation, px rms, of the majority of specimens nearest to the location."""
         away = np.sort(self.length(self.locate(members).deviations))
         majority = away[: len(away) // 2 + 1]
         return float(np.sqrt(np.sum(majority**2) / max(len(majority) - 1, 1)))
@@ -279,8 +269,14 @@ class Contributions:
         return one, two
 
 
+def number_owners(names: Sequence[str]) -> IntArray:
+    """Numbers (c,) of names, in the order of their first occurrence, so that no result depends on a name."""
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return np.array([numbers[name] for name in names], dtype=np.int64)
+
+
 def thin(view: View, used: Mask) -> tuple[View, float]:
-    """Select at most MAX_VIEW_POINTS of the points used, evenly; and how many each stands for."""
+    """At most MAX_VIEW_POINTS of the points used, evenly chosen, and how many each stands for."""
     chosen = np.flatnonzero(used)
     count = len(chosen)
     if count > MAX_VIEW_POINTS:

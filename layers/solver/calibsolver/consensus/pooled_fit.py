@@ -25,7 +25,7 @@ def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: s
 
 
 def fit_location(group: Sequence[int], of: Contributions) -> Calibration:
-    """Describe the camera at the location of a group's contributors, which is the pooled fit."""
+    """Pooled fit: the camera at the location of a group's contributors."""
     location = of.locate(group)
     return describe(of.camera_at(location), [of.fitted[i] for i in group], of.covariance(group, location))
 
@@ -67,8 +67,8 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
 def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:
     """Rms (m,), px, of each member's views under intrinsics fitted without it; only poses are fitted.
 
-    At most FOLDS fits, each from where that of all, `pooled`, ended: with a member up to a fifth of the group
-    is left out, so that a large group takes no longer. Infinite where the others alone give no fit.
+    In at most FOLDS fits, from the `pooled` camera of all, so that a large group takes no longer. Infinite if
+    the others give no fit.
     """
     errors = np.full(len(group), np.inf)
     views = [view for f in group for view in f.member.views]
@@ -87,9 +87,9 @@ def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array
 
 
 def cross_validate_contributors(group: Sequence[int], of: Contributions) -> Array:
-    """Rms (m,), px, of each member's views under the location of the other contributors, as above.
+    """Rms (m,), px, of each member's views under the location of other contributors, in FOLDS parts at most.
 
-    With a contributor up to a fifth of them is left out; of a single one, its calibrations in turn.
+    Of a single contributor, its calibrations are left out in turn.
     """
     members: IntArray = np.asarray(group, dtype=np.int64)
     numbers, part = np.unique(of.owner[members], return_inverse=True)

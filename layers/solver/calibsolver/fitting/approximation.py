@@ -21,8 +21,6 @@ class Approximation:
 
     Attributes
     ----------
-    camera
-        Model, intrinsics, image size.
     poses
         (v, 6) rvec|tvec, board -> camera; NaN of degenerate views.
     noise

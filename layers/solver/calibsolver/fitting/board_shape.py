@@ -1,9 +1,9 @@
 """Shape of a board that is not as drawn: a bend, and a print that stretched.
 
-A sheet of paper bends, and a printer feeds it a little too fast. Both are the same in all views of a capture,
-so enough views distinguish them from the lens: five parameters besides the intrinsics (Strobl & Hirzinger,
-"More accurate pinhole camera calibration with imperfect planar target", ICCV workshops 2011, free every point
-instead). Their variance is learnt (`mixed_model`), so that a flat board costs nothing.
+Paper bends, and printers stretch. Both are the same in all views of a capture, so enough views distinguish
+them from the lens by five parameters (Strobl & Hirzinger, "More accurate pinhole camera calibration with
+imperfect planar target", ICCV workshops 2011, free every point instead). Their variance is learnt
+(`mixed_model`), so that a flat board costs nothing.
 """
 
 from collections.abc import Mapping
@@ -64,12 +64,12 @@ class BoardShape:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "BoardShape":
-        """Shape of a record (`record`), without its covariance."""
+        """Shape of a `record`, without its covariance."""
         (x, y), (wide, high) = record["center"], record["reach"]
         return cls((x, y), record["half"], (wide, high), tuple(record["parameters"]))
 
     def record(self) -> dict[str, Any]:
-        """Parameters and frame as plain values: what `apply` needs."""
+        """Parameters and frame as plain values."""
         return {
             "center": list(self.center),
             "half": self.half,
@@ -139,7 +139,7 @@ class BoardShape:
         return float(np.sqrt(max(variance, 0.0)))
 
     def displacements(self, points: Array) -> Array:
-        """Differentiate points (3, ...), board frame, by the parameters: (SHAPE_SIZE, 3, ...)."""
+        """Derivatives (SHAPE_SIZE, 3, ...) of points (3, ...), board frame, by the parameters."""
         x = (points[0] - self.center[0]) / self.half
         y = (points[1] - self.center[1]) / self.half
         out = np.zeros((SHAPE_SIZE, *points.shape))
@@ -150,9 +150,8 @@ class BoardShape:
 
     def moved(self, points: Array) -> Array:
         """Points (3, ...), board frame, of the board in this shape."""
-        out: Array = points + np.tensordot(np.array(self.parameters), self.displacements(points), axes=1)
-        return out
+        return points + np.tensordot(np.array(self.parameters), self.displacements(points), axes=1)
 
     def apply(self, view: View) -> View:
-        """Return the view of the board in this shape."""
+        """View of the board in this shape."""
         return replace(view, object_points=self.moved(view.object_points.T).T)

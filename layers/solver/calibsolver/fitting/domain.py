@@ -1,8 +1,8 @@
 """Domain of the model over the whole image, as a prior.
 
-A polynomial may fold just outside the corners, where nothing holds it. So where the fitted domain ends inside
-the image, a one-sided prior pulls its edge out of the image. It is believed only if the points contradict it
-by no more than chance: some lenses draw an image that ends, and some models cannot follow a lens.
+A polynomial may fold just outside the corners. So if the fitted domain ends inside the image, a one-sided
+prior pulls its edge out of the image. It counts only if the points contradict it by no more than chance: some
+lenses draw an image that ends, and some models cannot follow a lens.
 """
 
 import math
@@ -25,8 +25,8 @@ MARGIN, SIGMA = 0.03, 0.02
 EDGE = 0.99
 """Share of the domain's half angle at which its image is measured: the edge itself may be a pole."""
 MAX_PREDICTED = 3000.0
-"""Predicted increase of the squared residuals, in squares of the noise, above which the prior is not tried.
-It is of first order, and the valley bends: the true increase may be a thousandth."""
+"""Predicted increase of the squared residuals, in squares of the noise, above which the prior is not
+tried. The valley bends: the true increase may be a thousandth."""
 MAX_INCREASE = 9.0
 """Increase up to which the points do not contradict the prior."""
 MIN_COVERED = 0.9999
@@ -52,7 +52,7 @@ def log_corner(k: Array, img_size: tuple[int, int]) -> float:
 
 
 def log_edge(model: Model, k: Array) -> float:
-    """Logarithm of the domain's image radius there; NaN where it has no edge."""
+    """Logarithm of the domain's image radius there; NaN if it has no edge."""
     angle = EDGE * min(model.domain_half_angle(k[4:]), np.pi)
     rays = np.stack([math.sin(angle) * SIDES[0], math.sin(angle) * SIDES[1], np.full(4, math.cos(angle))])
     with np.errstate(all="ignore"):
@@ -76,7 +76,7 @@ class CoveringProblem(Problem):
     """A problem with the prior that the domain covers the image."""
 
     def prior(self, k: Array) -> tuple[Array, Array]:
-        """Residuals and Jacobian of the prior, with one more if the domain does not cover the image."""
+        """Residuals and Jacobian, with one row more if the domain does not cover the image."""
         r, j = super().prior(k)
         over = excess(self.model, k, self.img_size)
         if not over > 0:
@@ -89,7 +89,7 @@ class CoveringProblem(Problem):
 def covering(
     problem: Problem, state: State, good: Mask, found: "Calibration"
 ) -> tuple[CoveringProblem, State] | None:
-    """Return the problem with the prior and its optimum for the good points (v, n).
+    """Problem with the prior and its optimum for the good points (v, n).
 
     None if the domain of the optimum `state` covers the image, or if the points contradict that it does.
     """

@@ -1,8 +1,8 @@
 """Focal profile: the cost that each focal length leaves, and other cameras that explain the views as well.
 
-Distortion and principal point can stand in for the focal length if a model does not quite describe a lens
-and the views are tilted alike. The profile then has two minima, and a second calibration may end in the other
-one, farther away than the curvature of either predicts. (Bates & Watts 1988, chapter 6, for profiles.)
+If a model does not quite describe a lens and the views are tilted alike, distortion and principal point can
+stand in for the focal length. The profile then has two minima, and a second calibration may end in the other
+one, farther away than the curvature of either predicts. (Bates & Watts 1988, chapter 6.)
 """
 
 from dataclasses import replace
@@ -18,12 +18,11 @@ from .normal_equations import Poses
 STEP = float(np.log(2)) / 2
 """Logarithm of the focal length, half an octave to either side, at which it is held."""
 MAX_STEP_DEVIATIONS = 10.0
-"""Largest step in standard deviations of the logarithm: if the views determine it better, the profile has one
-minimum."""
+"""Largest step in standard deviations of the logarithm: if they are smaller, the profile has one minimum."""
 HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
 """Into the valley, at a given focal length."""
 ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)
-"""Along the valley, until it is clear if this is another optimum."""
+"""Until it is clear if this is another optimum."""
 MIN_DETERMINING_VIEWS = 3
 """Views that determine all intrinsics (Zhang 2000): with fewer the prior decides."""
 
@@ -31,21 +30,15 @@ MIN_DETERMINING_VIEWS = 3
 def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Calibration) -> Array:
     """Covariance (p, p) of the intrinsics with the other optima of the profile, by their likelihood.
 
-    It is that of the calibration where there is no other, or none is expected.
-
-    Parameters
-    ----------
-    problem, state, good
-        The optimum, and the points (v, n) that took part.
-    found
-        The calibration there.
+    It is that of the calibration `found` if there is no other, or none is expected. `good` (v, n) are the
+    points that took part.
     """
     covariance = np.asarray(found.covariance)
     gradient = log_focal_gradient(problem, state)
     deviation = float(np.sqrt(gradient @ covariance @ gradient))
     if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
         return covariance
-    # What views share (bend, motion, what the model lacks) counts in the likelihood as in the error bars.
+    # The errors that views share count in the likelihood as in the error bars.
     basis = np.eye(len(gradient)) if problem.basis is None else problem.basis
     information, along = basis.T @ found.information @ basis, gradient @ basis
     white = along @ symmetric_inverse(information) @ along
@@ -91,7 +84,7 @@ def is_taken(problem: Problem, other: State, good: Mask) -> bool:
 
 
 def log_focal_gradient(problem: Problem, state: State) -> Array:
-    """Gradient (p,) of the logarithm of the focal length: the prior's first residual is that, whitened."""
+    """Gradient (p,) of the logarithm of the focal length: the first residual of the prior, whitened."""
     by_k = prior.residuals(problem.model, state.k, problem.img_size)[1]
     gradient: Array = by_k[0] * problem.model.prior.focal_sigma
     return gradient

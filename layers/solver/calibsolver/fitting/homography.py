@@ -1,4 +1,4 @@
-"""Homography from a board to the rays on which it is seen (DLT), many at once, and the pose it stands for."""
+"""Homography from a board to the rays on which it is seen (DLT), many at once, and its pose."""
 
 from dataclasses import dataclass
 
@@ -9,21 +9,21 @@ from ..arrays import Array
 from .normal_equations import Poses
 
 SINGULAR = 1e-14
-"""Eigenvalue / trace of a matrix that is taken to be its smallest at least."""
+"""Smallest eigenvalue / trace of a matrix, at least."""
 SQUARINGS = 4
 """Squarings of the inverse: each doubles the iterations."""
 
 
 @dataclass(frozen=True, eq=False)
 class Homographies:
-    """Homographies of planes (v): ray ~ h (X, Y, 1) with (X, Y) centred and scaled.
+    """Homographies of planes (v): ray ~ h (X, Y, 1), X = (x - mean) / spread.
 
     Attributes
     ----------
     h
         (v, 3, 3), the mean length of the first two columns 1.
     mean, spread
-        (v, 2) and (v,): X = (x - mean) / spread.
+        (v, 2) and (v,)
     """
 
     h: Array
@@ -82,10 +82,10 @@ class Homographies:
         return Poses(r, t)
 
     def focal_from_vanishing_points(self) -> float:
-        """Find the factor for `with_focal_scale` that makes the first two columns orthogonal, of one length.
+        """Factor for `with_focal_scale` that makes the first two columns orthogonal, of one length.
 
-        Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre);
-        NaN where all planes face the camera.
+        Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre); NaN if
+        all planes face the camera.
         """
         (x1, y1, z1), (x2, y2, z2) = self.h[:, :, 0].T, self.h[:, :, 1].T
         image = np.concatenate([x1 * x2 + y1 * y2, (x1 * x1 + y1 * y1 - x2 * x2 - y2 * y2) / 2])

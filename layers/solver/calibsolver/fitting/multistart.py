@@ -10,7 +10,6 @@ from .. import deadline
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..models import Model
 from . import initial_guess, outliers, plausibility, robust_homography
 from .levenberg_marquardt import Options, Problem, State
 from .normal_equations import Poses
@@ -18,37 +17,31 @@ from .normal_equations import Poses
 MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
 TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-5, one_step=True, patient=True)
-"""The way to near the optimum is always robust: one bad view must not turn the first steps."""
+"""Always robust: one bad view must not turn the first steps."""
 MAX_PRIOR_Z = 3.0
-"""Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""
+"""Sigmas of the prior by which aspect and principal point may differ before other starts are tried."""
 MAX_REINITIALIZATIONS = 3
-"""Times that poses of views which fit badly are reinitialized, at most."""
 INLIER_MEDIANS = 5.0
 """Median errors of its view within which a point is an inlier."""
 SAME_OPTIMUM = 0.02
 """Relative difference of focal length, principal point (in widths) and rms within which optima are equal."""
 MAX_DIRECT_VIEWS = 24
-"""Views up to which the likeliest start is followed with all of them at once, without a trial on some."""
+"""Views up to which the likeliest start is followed with all of them, without a trial on some."""
 MAX_SWEEP_STARTS = 4
-"""Starts of the focal sweep that are followed at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class MultiStart:
-    """Several starts of one fit, the best of which is followed."""
+    """Several starts of one fit, the best of which is followed.
+
+    `mask` (v, n) are points that may take part, `known` is a camera that may be near. If `rejection_follows`,
+    a single optimum is not refitted without gross outliers.
+    """
 
     problem: Problem
     mask: Mask
-    """Points (v, n) that may take part."""
     known: Camera | None
-    """A camera that may be near."""
     rejection_follows: bool = False
-    """True if the caller rejects gross outliers: a single optimum is then not refitted without them."""
-
-    @property
-    def model(self) -> Model:
-        """Camera model that is fitted."""
-        return self.problem.model
 
     @cached_property
     def unit_weights(self) -> Array:
@@ -59,7 +52,7 @@ class MultiStart:
         """Solve from several starts to near the optimum and return the best."""
         obs, problem = self.problem.obs, self.problem
         direct = initial_guess.MAX_TRIAL_VIEWS < obs.view_count <= MAX_DIRECT_VIEWS
-        if direct and self.model.start_families == 1:
+        if direct and problem.model.start_families == 1:
             first = next(self.starts(problem), None)
             begun = None if first is None else self.follow(problem, first, self.unit_weights, self.mask)
             if begun is not None and self.is_clear(problem, begun, self.mask):
@@ -95,7 +88,8 @@ class MultiStart:
         """
         found: list[State] = []
         repeats = 2 if self.known is None else 3
-        is_single = self.rejection_follows and trial is self.problem and self.model.start_families == 1
+        families = trial.model.start_families
+        is_single = self.rejection_follows and trial is self.problem and families == 1
         for first in self.starts(trial):
             state = self.follow(trial, first, weights, mask)
             if state is None:
@@ -107,7 +101,7 @@ class MultiStart:
             found.append(state)
             again = best is not None and len(found) >= repeats and self.is_same(state, best, mask)
             if (
-                len(found) >= self.model.start_families
+                len(found) >= families
                 and (self.within_prior(state) or again)
                 and self.is_close(trial, state, mask)
             ):
@@ -142,7 +136,7 @@ class MultiStart:
         return state if state.is_finite else None
 
     def is_close(self, problem: Problem, state: State, mask: Mask) -> bool:
-        """Return True if an optimum explains most points (v, n), all within the model's domain."""
+        """True if an optimum explains most points (v, n), all within the model's domain."""
         return (
             outliers.trimmed_rms(state, mask) < MAX_TRUSTED_RMS_WIDTHS * self.problem.img_size[0]
             and plausibility.share_outside_domain(problem, state, mask)
@@ -150,22 +144,22 @@ class MultiStart:
         )
 
     def is_clear(self, problem: Problem, state: State, mask: Mask) -> bool:
-        """Return True if an optimum explains the views, and the camera is like others: it is the one."""
+        """True if an optimum explains the views, and the camera is like others."""
         return self.within_prior(state) and self.is_close(problem, state, mask)
 
     def is_same(self, one: State, other: State, mask: Mask) -> bool:
-        """Return True if two starts led towards the same optimum."""
+        """True if two starts led towards the same optimum."""
         change = np.abs(one.k[:4] - other.k[:4]) / (*other.k[:2], *(2 * [self.problem.img_size[0]]))
         quotient = outliers.trimmed_rms(one, mask) / outliers.trimmed_rms(other, mask)
         return bool(change.max() < SAME_OPTIMUM and abs(quotient - 1) < SAME_OPTIMUM)
 
     def within_prior(self, state: State) -> bool:
-        """True if the camera is like others; an unusual one may be a local minimum next to the right one."""
+        """True if the camera is like others; else it may be a local minimum next to the right one."""
         return bool(np.abs(state.prior_residuals[1:4]).max() < MAX_PRIOR_Z)
 
 
 def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iterator[initial_guess.Start]:
-    """Yield starts with intrinsics that satisfy the constraint of a problem, and the poses for these."""
+    """Yield starts whose intrinsics satisfy the constraint of a problem, with new poses."""
     for start in starts:
         if problem.origin is None:
             yield start
@@ -176,8 +170,8 @@ def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iter
 def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, mask: Mask) -> State:
     """Reinitialize the poses of views that fit badly from the LMedS inliers among their points.
 
-    A row of corners under wrong names pulls its view so far that robust weights alone do not bring it
-    back: to fit all points a little is cheaper than to fit most and miss some by far.
+    Robust weights do not recover a view in which a row of corners has wrong names: to fit all points a little
+    costs less than to miss some by far.
     """
     for _ in range(MAX_REINITIALIZATIONS):
         bad = outliers.views_beyond_threshold(state, mask)

@@ -15,34 +15,31 @@ from .validation import MIN_POINTS
 OUTLIER_SIGMAS = 4.0
 """Sigmas beyond which a point is an outlier: one in 3000 good ones."""
 GROSS_OUTLIER_SIGMAS = 6.0
-"""Sigmas beyond which a point is a gross outlier. They go first: the rest is tested against a fit that never
-saw them."""
+"""Sigmas beyond which a point is cut first, so that the rest is tested against a fit without it."""
 RIM_SHARE = 0.01
 """Share of the points, the outermost, that make the rim of the image."""
 MAX_CHANCE_RIM_OUTLIERS = 0.4
-"""Share of the points at the rim that chance alone may make outliers."""
+"""Share of the points at the rim that chance may make outliers."""
 MIN_RIM_EXCESS = 4.0
-"""Share of outliers at the rim / share among all points from which they concentrate there."""
+"""Share of outliers at the rim / among all points, from which they concentrate there."""
 MIN_RIM_POINTS = 12
-"""Points that make the rim at least: of fewer one or two say nothing."""
 MIN_INLIER_SHARE = 0.5
 """Share of its points that a view keeps at least: with fewer it contradicts the others as a whole."""
 MAX_COUNTED_SIGMAS = 6.0
-"""Sigmas beyond which it does not matter any more how far away a point is, when fits are compared."""
+"""Sigmas at which the distance of a point is cut off when fits are compared."""
 MAX_GROSS_REJECTIONS = 4
-"""Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
+"""A model that is too simple would lose point after point."""
 ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
 """Tight: no mask may depend on where the solver happens to stop."""
 LEAST_SQUARES = Options(tolerance=1e-7, one_step=True)
-"""Fits that only distinguish outliers, or from which the optimum or the board's shape is sought."""
 
 
 def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask, bool]:
     """Fit without gross outliers, from a state near the optimum, and its inlier mask (v, n).
 
-    The first mask is that of the robust optimum over the points `mask` of all views that are near now. Every
-    other is that of the least-squares fit to the one before, until two are equal. The last part of the result
-    is True if the state is the least-squares fit to exactly the inliers.
+    The first mask is that of the robust optimum over the points `mask` of all views that are near now, each
+    other that of the least-squares fit to the one before, until two are equal. The last part of the result is
+    True if the state is the least-squares fit to exactly the inliers.
     """
 
     def inliers() -> Mask:
@@ -63,7 +60,7 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
 def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:
     """Inlier mask (v, n): points within so many `sigmas`; of a view that loses most of them, none.
 
-    The noise is that of the points `among` (v, n): what has been left out already does not blur what is left.
+    The noise is that of the points `among` (v, n), without those that were left out before.
     """
     good = near_points(state, mask, among, sigmas, img_size[0])
     if good is not mask:
@@ -73,7 +70,7 @@ def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: 
 
 
 def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int) -> Mask:
-    """Mask (v, n) of the points within so many `sigmas`; `mask` itself where all are. See `inlier_mask`."""
+    """Mask (v, n) of the points within so many `sigmas`; `mask` itself if all are."""
     # Next to a view with unusually low noise, a view with usual noise is not an outlier.
     sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * width)
     if not np.where(mask, state.square, 0.0).max() > (sigmas * sigma) ** 2:
@@ -83,8 +80,7 @@ def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int
         near = state.square[(state.square <= (sigmas * sigma) ** 2) & mask]
         if near.size:
             sigma = max(sigma, math.sqrt(float(near.sum()) / near.size / 2))
-    good: Mask = (state.square <= (sigmas * sigma) ** 2) & mask
-    return good
+    return (state.square <= (sigmas * sigma) ** 2) & mask
 
 
 def trimmed_rms(state: State, mask: Mask) -> float:
@@ -96,7 +92,7 @@ def trimmed_rms(state: State, mask: Mask) -> float:
 def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]:
     """Rank states: the likeliest first, with the prior; those that fold the views last.
 
-    A point counts up to some sigmas, the same for all: else a state might win by what it does not explain.
+    The same limit bounds the distance of a point in all: else a state might win by what it does not explain.
     """
     if len(states) == 1:
         return list(states)
@@ -113,13 +109,13 @@ def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[S
 
 
 def views_beyond_threshold(state: State, mask: Mask) -> IntArray:
-    """Find views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
+    """Views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
     sigma = levenberg_marquardt.robust_sigma(state, mask)
     return np.flatnonzero((medians(state.square, mask) > (OUTLIER_SIGMAS * sigma) ** 2) & mask.any(axis=1))
 
 
 def unit_weights(good: Mask) -> Array:
-    """Weights (v, n): 1 for the good, 0 for others. The pose of a view without any stays where it is."""
+    """Weights (v, n): 1 for the good, 0 for others."""
     return good.astype(np.float64)
 
 
@@ -128,8 +124,8 @@ def outliers_concentrate_at_rim(
 ) -> bool:
     """True if the outliers `among` some points (v, n) concentrate at the rim of the image.
 
-    Corners that were found badly lie anywhere. Where the rim is cut it may be the model that fails there,
-    and without these points it would fail unseen.
+    Corners that were found badly lie anywhere. At the rim it may be the model that fails, unseen without
+    these points.
     """
     if np.array_equal(good, among):
         return False

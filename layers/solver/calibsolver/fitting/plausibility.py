@@ -1,4 +1,4 @@
-"""Plausibility checks of a fitted camera: what no camera could be is refused."""
+"""Plausibility of a fitted camera."""
 
 import numpy as np
 
@@ -7,27 +7,24 @@ from ..errors import CalibrationError, format_factor, format_px_error
 from .levenberg_marquardt import Problem, State
 
 MAX_RMS_WIDTHS, MAX_INLIER_RMS_WIDTHS = 0.01, 0.005
-"""A fit whose rms exceeds this share of the image width explains nothing; without outliers
-it has no excuse."""
+"""Rms / image width that explains nothing; without outliers it has no excuse."""
 MIN_FOCAL_WIDTHS, MAX_FOCAL_WIDTHS = 0.05, 50.0
-"""Focal lengths of cameras / image width."""
 MAX_PIXEL_ASPECT = 2.0
-"""Width of pixels / height, at most; and the other way round."""
 MAX_SHARE_OUTSIDE_DOMAIN = 0.05
-"""Share of the points that may lie beyond the model's one-to-one domain and yet fit: its image ends a little
-inside the views."""
+"""Share of the points that may lie beyond the model's one-to-one domain: its image ends a little inside
+the views."""
 MAX_SHARE_CUT_OUTSIDE_DOMAIN = 0.003
 """Share of the points that may be cut beyond that domain: the model has no place for them."""
 
 
 def inside_domain(problem: Problem, state: State) -> Mask:
-    """True for the points (v, n) that lie where the model is one-to-one, in front of the camera."""
+    """True for the points (v, n) where the model is one-to-one, in front of the camera."""
     p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
     return problem.model.valid(state.k[4:], p)
 
 
 def share_outside_domain(problem: Problem, state: State, mask: Mask) -> float:
-    """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
+    """Share of the points (v, n) that lie elsewhere."""
     return 1 - float(np.mean(inside_domain(problem, state)[mask]))
 
 
@@ -62,7 +59,7 @@ def check_result(problem: Problem, state: State, good: Mask, robust: bool) -> No
 
 
 def describe_implausible(focal: float, ratio: float) -> str:
-    """Describe what is no camera's: the focal length, image widths, or the ratio of fx to fy."""
+    """Describe the focal length, image widths, or the ratio of fx to fy that no camera has."""
     if focal <= MIN_FOCAL_WIDTHS:
         return f"a focal length below {MIN_FOCAL_WIDTHS:.0%} of the image's width is no camera's"
     if not focal < MAX_FOCAL_WIDTHS:

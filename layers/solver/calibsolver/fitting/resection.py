@@ -34,12 +34,11 @@ class ReprojectionScore:
     Attributes
     ----------
     rms
-        px, root of the mean square distance over all points of all views; infinite where a view cannot be
-        explained at all.
+        px, root of the mean square distance over all points; infinite if a view cannot be explained at all.
     view_errors
         (v,) px, the same for each view.
     poses
-        (v, 6) rvec|tvec, board -> camera, board units; NaN where a view cannot be explained at all.
+        (v, 6) rvec|tvec, board -> camera, board units; NaN if a view cannot be explained at all.
     """
 
     rms: float
@@ -49,7 +48,7 @@ class ReprojectionScore:
 
 @undetermined()
 def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionScore:
-    """Measure the reprojection error of `views` under `camera`: all poses fitted, all points alike.
+    """Reprojection error of `views` under `camera`: all poses fitted, all points alike.
 
     Raises CalibrationError (``no_views``, ``too_few_points``, ``out_of_range``).
     """
@@ -70,9 +69,9 @@ def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionSco
 def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
     """Fit the pose of every view under intrinsics k (p,): poses, and summed squared distances (v,) px^2.
 
-    Levenberg-Marquardt from the linear solution with the intrinsics held constant. Nothing couples the views
-    then: every view has its own damping and its own accept test, and one that no pose explains does not stop
-    the others. The sum is infinite where the camera cannot see a view.
+    Levenberg-Marquardt from the linear solution. Nothing couples the views: each has its own damping and
+    accept test, so one that no pose explains does not stop the others. The sum is infinite if the camera
+    cannot see a view.
     """
     with np.errstate(all="ignore"):  # views that these intrinsics cannot explain run away
         poses = initial_guess.at(model, obs, k).poses

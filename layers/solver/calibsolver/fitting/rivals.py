@@ -1,7 +1,7 @@
 """Rivals of a calibration: cameras of other models that explain its views as well.
 
-They draw the same picture where the board has been. Elsewhere only the form of the model says what it is.
-The covariance takes the model for granted, so there the distance of the rivals is part of the error.
+They draw the same picture where the board has been. Elsewhere only the form of the model decides. The
+covariance takes the model for granted, so there the distance of the rivals is part of the error.
 """
 
 from dataclasses import dataclass
@@ -14,18 +14,11 @@ from ..camera import Camera, pixel_grid
 from .uncertainty import projection_jacobian_rotation_free, variance
 
 DIRECTIONS = 72
-"""Directions in which the hull is bounded by its outermost corner."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """Convex hull of corners, by its outermost ones.
-
-    Attributes
-    ----------
-    farthest
-        (DIRECTIONS,) px, largest coordinate along each direction.
-    """
+    """Convex hull of corners: (DIRECTIONS,) px, their largest coordinate along each direction."""
 
     farthest: Array
 
@@ -35,7 +28,7 @@ class Hull:
         return cls((points @ _directions()).max(axis=0, initial=-np.inf))
 
     def contains(self, pixels: Array) -> Mask:
-        """Tell (n,) which pixels (n, 2) lie in the hull."""
+        """True (n,) for pixels (n, 2) in the hull."""
         return np.asarray((pixels @ _directions() <= self.farthest).all(axis=1))
 
 
@@ -61,15 +54,7 @@ class Rival:
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """Cameras that explain the views as well, and the hull of the corners.
-
-    Attributes
-    ----------
-    rivals
-        Cameras of other models.
-    hull
-        Outside it they count.
-    """
+    """Cameras that explain the views as well, and the hull of the corners, outside of which they count."""
 
     rivals: tuple[Rival, ...]
     hull: Hull

@@ -17,19 +17,19 @@ from ..arrays import Array
 from .base import Model
 
 MAX_RADIUS = 50.0
-"""Largest distance from the axis, in focal lengths, at which the plane is used."""
+"""Largest distance from the axis, in focal lengths."""
 LAST_STEP = 1e-9
 """Newton step below which the next, about its square, is rounding."""
 MAX_STEPS = 20
-"""Steps of Newton\'s method, which settles in four or five except at the edge of the domain."""
+"""Newton's method settles in four or five steps except at the edge of the domain."""
 MIN_TANGENTIAL_RATIO = 7.0
-"""Radial derivative h over r |(p1, p2)| above which the map is one-to-one (proof: see the module)."""
+"""h / (r P) above which the map is one-to-one."""
 
 
 class Planar(Model):
     """A model that ends with a radial and tangential distortion of a plane.
 
-    `radial_at` and `tangential_at` say where their coefficients stand in `d`.
+    `radial_at` and `tangential_at` are the places of their coefficients in `d`.
     """
 
     radial_at: tuple[int, ...]
@@ -37,11 +37,11 @@ class Planar(Model):
 
     @abstractmethod
     def radial(self, d: Array, s: Array) -> Array:
-        """Return the radial factor g at squared radii s (...)."""
+        """Radial factor g at squared radii s (...)."""
 
     @abstractmethod
     def radial_jacobian(self, d: Array, s: Array) -> tuple[Array, Array, tuple[Array, ...]]:
-        """Return g, dg/ds and dg/dc for each radial coefficient c, all (...)."""
+        """g, dg/ds and dg/dc for each radial coefficient c, all (...)."""
 
     @abstractmethod
     def domain_radius(self, d: Array) -> float:
@@ -127,7 +127,7 @@ class Planar(Model):
     def _solve_plane(self, d: Array, xy: Array, target: Array, limit: float) -> None:
         """Move points (2, n) of the plane, in place, to where they are distorted to the target (2, n).
 
-        By Newton's method. Points that have settled are left alone: the few outside of the domain never do.
+        Points that have settled are left out of Newton's steps: the few outside of the domain never do.
         """
         x, y = xy
         index = np.arange(x.size)

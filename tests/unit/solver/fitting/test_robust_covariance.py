@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit
-from calibsolver.fitting.effect_likelihood import EffectLikelihood
+from calibsolver.fitting.effect_variances import EffectLikelihood
 from tests.bench.honesty import ratios_if_true
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
