@@ -97,7 +97,6 @@ def test_real_views_are_inflated() -> None:
     seen, size = corner_views("babel_ov_plane")
     found = fit(seen, size, "fisheye")
     assert found.inflation > 3
-    assert found.record()["systematic"] == found.inflation
 
 
 def test_wrong_corners_do_not_widen_the_error_bars() -> None:
