@@ -1,4 +1,4 @@
-"""Adversarial numbers: every input ends in a finite result or in a documented reason."""
+"""Every input ends in a finite result or in a documented reason."""
 
 import re
 from collections.abc import Callable
@@ -179,7 +179,6 @@ def test_step_beyond_the_largest_number_is_refused(model: str) -> None:
 
 
 def test_symmetric_inverse_of_an_indefinite_matrix_is_positive() -> None:
-    """Two unknowns that replace one another to the last digit, and one that stands alone."""
     a = np.array([[1.0, 1.0 + 1e-15, 0.0], [1.0 + 1e-15, 1.0, 0.0], [0.0, 0.0, 4.0]])
     inverse = symmetric_inverse(a)
     assert np.linalg.eigvalsh(inverse).min() > 0
@@ -191,7 +190,6 @@ def test_symmetric_inverse_of_an_indefinite_matrix_is_positive() -> None:
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize(("seed", "attempts"), [(0, 2), *thorough(*((seed, 15) for seed in range(6)))])
 def test_noiseless_capture_accepts_views(model: str, seed: int, attempts: int) -> None:
-    """A simulated camera, its picture shifted at each view, and a goal that no detector reaches."""
     rng = np.random.default_rng(seed)
     camera = POPULATIONS[model]()[2 * seed]
     rules = Capture(BOARD, SIZE, model, target_error=0.001)
@@ -211,7 +209,6 @@ def test_noiseless_capture_accepts_views(model: str, seed: int, attempts: int) -
 
 
 def test_pooled_copies_of_one_view_end_in_a_reason() -> None:
-    """Copies of one view that faces the camera: fitted again in parts, nothing carries them."""
     view = View(BOARD.points, BOARD.points[:, :2] * 100 + 200)
     try:
         found = pool([Member(str(i), str(i), (view,)) for i in range(5)], SIZE, "rational")

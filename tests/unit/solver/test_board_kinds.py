@@ -1,4 +1,4 @@
-"""Chessboards, AprilGrids and inverted boards: their corners, their pictures, and what they calibrate."""
+"""Chessboards, AprilGrids and inverted boards."""
 
 import cv2
 import numpy as np
@@ -22,7 +22,6 @@ def test_chessboard_has_inner_corners_row_by_row() -> None:
 
 
 def test_aprilgrid_is_numbered_as_by_kalibr() -> None:
-    """Tag by tag from the lower left, corners anticlockwise from the lower left; y points down."""
     assert APRILGRID.corner_count == len(APRILGRID.points) == 4 * 30
     assert APRILGRID.size == pytest.approx((6 + 5 * 0.3, 5 + 4 * 0.3))
     np.testing.assert_allclose(APRILGRID.points[:4], [[0, 0, 0], [1, 0, 0], [1, -1, 0], [0, -1, 0]])

@@ -1,4 +1,4 @@
-"""Deadline: computations end when the time that the caller allots is up, and only then."""
+"""Deadline of a computation."""
 
 from collections.abc import Callable
 from typing import Any
@@ -85,7 +85,6 @@ def test_share_larger_than_the_time_left_raises_deadline_error() -> None:
 
 
 def contradict(board: Board, views: list[View]) -> Callable[[], ViewDecision]:
-    """Judgement of a view that another camera took."""
     rng = np.random.default_rng(1)
     capture = Capture(board, SIZE, target_error=1e-3)
     target = capture.next_target(views, capture.estimate(views))

@@ -1,4 +1,4 @@
-"""Test vectors of the browser's projections and rectifications equal what the solver computes."""
+"""Test vectors of the browser's projections and rectifications."""
 
 import json
 from collections import Counter
@@ -21,7 +21,6 @@ def test_recorded_rays_and_pixels_are_the_solvers() -> None:
 
 @pytest.mark.parametrize("model", ["rectilinear", "rational", "omnidirectional"])
 def test_planar_models_are_one_to_one_out_to_the_edge_of_the_domain(model: str) -> None:
-    """Positive definite Jacobians up to the edge: the map is a gradient, and the domain is convex."""
     circle = np.linspace(0, 2 * np.pi, 60)
     for record in recorded():
         if record["model"] != model:

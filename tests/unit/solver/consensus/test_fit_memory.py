@@ -1,4 +1,4 @@
-"""Memory of members' fits: what is old is not fitted again, and nothing else is taken for it."""
+"""Cache of members' fits."""
 
 from collections.abc import Iterator, Sequence
 
@@ -20,7 +20,6 @@ def member(seed: int) -> Member:
 
 @pytest.fixture
 def fitted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
-    """Models fitted to members' views, as they are fitted."""
     made: list[str] = []
 
     def counted(

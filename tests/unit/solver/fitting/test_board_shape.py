@@ -1,4 +1,4 @@
-"""Shape of the board: recovered where it is bent, left alone where it is flat, and helpful on real boards."""
+"""Shape of the board."""
 
 from dataclasses import replace
 from functools import cache
@@ -74,7 +74,6 @@ def test_stretch_of_the_print_is_recovered() -> None:
 
 
 def test_stretch_that_no_printer_causes_is_left_to_the_camera() -> None:
-    """Of a board that is stretched by 3 % and bent, the bend alone is believed."""
     views = stretched(1.03, hands.BENT)
     found = fit(views, CAMERA.img_size)
     flat = fit(views, CAMERA.img_size, board_shape=False)
@@ -150,7 +149,6 @@ def test_real_boards_are_predicted_better_in_their_shape(name: str) -> None:
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
 def test_one_real_board_has_one_shape(model: str) -> None:
-    """Two halves of a set, fitted by themselves, tell the same bend, whatever the model."""
     views, size = corner_views("jy_left")
     shapes = [fit(half, size, model).board_shape for half in (views[::2], views[1::2])]
     one, other = (np.array(shape.parameters[:3]) for shape in shapes if shape)
@@ -167,7 +165,6 @@ def test_shape_moves_points_by_its_parameters() -> None:
 
 @external_data
 def test_shape_leaves_pixels_square() -> None:
-    """A stretch of the print stands in for pixels that are not square: its prior keeps it small."""
     views, size = corner_views("pv_charuco_1280")
     fx, fy = fit(views, size).camera.focal
     assert fx == pytest.approx(fy, rel=0.004)

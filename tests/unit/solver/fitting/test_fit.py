@@ -1,4 +1,4 @@
-"""Fits of real photographs against OpenCV, and what is never returned."""
+"""Fits of real photographs against OpenCV, and refusals."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -44,7 +44,6 @@ FISHEYE_FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.f
 
 
 def opencv(views: Sequence[View], size: tuple[int, int], **options: Any) -> tuple[float, Array]:
-    """Reprojection error, px rms, and camera matrix by OpenCV."""
     objects, pixels = float32(views)
     rms, matrix, *_ = cv2.calibrateCamera(objects, pixels, size, None, None, **options)
     return rms, matrix
@@ -132,7 +131,6 @@ def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
 @pytest.mark.parametrize("name", corner_sets(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
 def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
-    """The prior carries what a single view does not: near the truth, and the uncertainty is owned up to."""
     views, size = corner_views(name)
     truth = fit(views, size, "fisheye" if name == "jy_left" else model, robust=False).camera
     for view in views[:2]:
@@ -151,7 +149,6 @@ def test_truth_without_noise_is_found() -> None:
 
 
 def test_rational_does_not_fold_in_uncovered_corners() -> None:
-    """Numerator and denominator cancel where they are seen; they must beyond, too."""
     c, camera = export_sources.subject("rational").camera, export_sources.truth("rational")
     error = synthetic.projection_error(camera, c)
     assert c.domain().covered == 1

@@ -1,4 +1,4 @@
-"""Error bars where the views allow two cameras: the covariance reaches from one optimum to the other."""
+"""Error bars where the views allow two cameras."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Outlier masks of real corners do not depend on where the fit starts or how the views are ordered."""
+"""Outlier masks do not depend on the start or the order of the views."""
 
 from collections.abc import Sequence
 

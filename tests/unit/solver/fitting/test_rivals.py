@@ -54,7 +54,6 @@ def test_models_that_explain_less_are_no_rivals() -> None:
 
 
 def test_a_turned_camera_is_no_rival() -> None:
-    """The same lens, turned: its distance is 0 after the best rotation, but for the principal point."""
     camera = fit_once(*corner_views("opencv_left")).camera
     w, h = camera.img_size
     hull = Hull.of(np.array([[w / 4, h / 4], [3 * w / 4, h / 4], [3 * w / 4, 3 * h / 4], [w / 4, 3 * h / 4]]))

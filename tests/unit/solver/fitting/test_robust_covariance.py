@@ -1,4 +1,4 @@
-"""The cluster-robust covariance: one formula from one view to many, with what is systematic in the views."""
+"""Cluster-robust covariance."""
 
 from dataclasses import replace
 
@@ -29,7 +29,6 @@ def test_covariance_is_positive_definite_from_one_view_on(count: int) -> None:
 
 @pytest.mark.thorough
 def test_differences_drawn_from_true_bars_of_one_direction_are_a_normal_number() -> None:
-    """Ratios of true bars, as `make bench DOCS=honesty` draws them."""
     c = fit(views(6), CAMERA.img_size)
     one = replace(c, covariance=np.diag([1.0, *[0.0] * (len(c.covariance) - 1)]))
     none = replace(c, covariance=np.zeros_like(c.covariance))
@@ -67,7 +66,6 @@ def test_errors_in_hands_are_predicted(hand: hands.Hand, counts: tuple[int, ...]
 
 
 def test_error_bars_of_a_bent_board_do_not_shrink_with_more_views() -> None:
-    """Each view brings the same error: white noise alone would predict half of it with four times as many."""
     few, many = (
         fit(
             populations.views(CAMERA, np.random.default_rng(3), 0.2, count, hands.BENT),
@@ -80,7 +78,6 @@ def test_error_bars_of_a_bent_board_do_not_shrink_with_more_views() -> None:
 
 
 def test_frames_of_one_pose_count_once() -> None:
-    """Ten copies of each view say little more than one."""
     once = views(6)
     rng = np.random.default_rng(1)
     copies = [
@@ -100,7 +97,6 @@ def test_real_views_are_inflated() -> None:
 
 
 def test_wrong_corners_do_not_widen_the_error_bars() -> None:
-    """Neither motion nor bend explains corners 5 to 60 px off: they stay out of the variances, too."""
     right = views(8)
     rng = np.random.default_rng(5)
     wrong = []

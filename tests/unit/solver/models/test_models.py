@@ -1,4 +1,4 @@
-"""Every model: derivatives, round trips, OpenCV's own projection, and the edge of the domain."""
+"""Models against OpenCV and closed forms."""
 
 import cv2
 import numpy as np
@@ -51,7 +51,6 @@ def opencv(name: str, p: Array, matrix: Array, d: Array) -> Array:
 
 @pytest.mark.parametrize("name", models.NAMES)
 def test_projection_equals_opencv(name: str) -> None:
-    """`fisheye` in front, as OpenCV has it; `omnidirectional` beside and behind, too."""
     p = rays(name)
     if name == "fisheye":
         p = p[:, p[2] > 0.1 * np.linalg.norm(p, axis=0)]
