@@ -14,7 +14,6 @@ import numpy as np
 from ..arrays import Array, Mask, symmetric_inverse
 from ..camera import Camera
 from ..models import Model
-from . import outliers
 from .levenberg_marquardt import Options, Problem, State
 
 if TYPE_CHECKING:
@@ -103,7 +102,7 @@ def covering(
     if not over**2 < MAX_PREDICTED * variance or found.camera.domain().covered >= MIN_COVERED:
         return None
     wider = CoveringProblem(model, problem.obs, size, problem.basis, problem.origin)
-    moved = wider.solve(wider.at(k, state.poses), outliers.unit_weights(good), TOWARDS)
+    moved = wider.solve(wider.at(k, state.poses), good, TOWARDS)
     increase = float((moved.square - state.square)[good].sum())
     if not (moved.converged and increase <= MAX_INCREASE * found.noise**2):
         return None

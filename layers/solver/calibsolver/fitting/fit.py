@@ -163,7 +163,7 @@ class _Fit:
         found = self._shaped(state, good)
         if found is None:
             if good.any():
-                state = self.problem.solve(state, outliers.unit_weights(good), Options())
+                state = self.problem.solve(state, good, Options())
             found = self._result(state, good)
         if near is not None:
             return found.calibration
@@ -195,7 +195,7 @@ class _Fit:
             taken = outliers.inlier_mask(
                 shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
             )
-            if self._concentrate_at_rim(taken, good):
+            if outliers.concentrate_at_rim(self.problem, taken, good):
                 taken = taken | good
             if np.array_equal(taken, good) or not taken.any():
                 break
@@ -221,22 +221,23 @@ class _Fit:
         spoil the fit are taken back.
         """
         state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
-        if self._concentrate_at_rim(inliers, self.mask):
+        if outliers.concentrate_at_rim(self.problem, inliers, self.mask):
             # The model may fail at the rim: then every point counts, or the failure would go unnoticed.
-            all_points = self.problem.solve(state, self.multistart.unit_weights, outliers.LEAST_SQUARES)
+            all_points = self.problem.solve(state, self.mask, outliers.LEAST_SQUARES)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
             return state, inliers
         with_tails = state
         if not is_fitted:
-            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
+            with_tails = self.problem.solve(state, inliers, outliers.LEAST_SQUARES)
         state, good = self._reject_outliers(with_tails, inliers)
         if state is with_tails or not good.any():
             return state, good
-        ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
+        at_rim = outliers.concentrate_at_rim(self.problem, good, inliers)
+        ratio = MAX_RIM_RMS_RATIO if at_rim else MAX_TAIL_RMS_RATIO
         if not with_tails.converged:  # from nearer, it may
-            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
+            with_tails = self.problem.solve(state, inliers, outliers.LEAST_SQUARES)
         if self._is_close(with_tails, inliers, state, good, ratio):
             return with_tails, inliers  # what was rejected are tails of the noise
         return state, good
@@ -250,12 +251,9 @@ class _Fit:
             )
             if not good.any() or np.array_equal(previous, good):
                 return state, good
-            state = self.problem.solve(state, outliers.unit_weights(good), REJECTION)
+            state = self.problem.solve(state, good, REJECTION)
             previous = good
         return state, previous  # a point or two change sides every time: either result is as good
-
-    def _concentrate_at_rim(self, good: Mask, among: Mask) -> bool:
-        return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
 
     def _is_close(self, one: State, one_mask: Mask, other: State, other_mask: Mask, ratio: float) -> bool:
         """True if the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
@@ -274,7 +272,7 @@ class _Fit:
                 else constrained(problem, initial_guess.from_vanishing_points(model, obs, size))
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
-            free = [problem.solve(s, self.multistart.unit_weights, FREE) for s in begun]
+            free = [problem.solve(s, self.mask, FREE) for s in begun]
             best = min(
                 (s for s in free if s.converged and s.is_finite),
                 key=lambda s: float(s.square.sum()),
@@ -286,7 +284,7 @@ class _Fit:
                 <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
             ):
                 return self._result(best, self.mask, with_prior=False)
-        state = problem.solve(state, self.multistart.unit_weights, Options())
+        state = problem.solve(state, self.mask, Options())
         return self._result(state, self.mask)
 
     def _evidence(self, state: State, good: Mask, sigma: float) -> robust_covariance.Evidence:

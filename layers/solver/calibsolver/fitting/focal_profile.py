@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array, Mask, frozen, symmetric_inverse
-from . import outliers, plausibility, prior
+from . import plausibility, prior
 from .calibration import Calibration
 from .levenberg_marquardt import Options, Problem, State
 from .normal_equations import Poses
@@ -48,7 +48,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
         other = optimum_beside(problem, state, good, step)
         if abs(gradient @ (other.k - state.k)) < deviation / 2:
             continue  # the same optimum
-        other = problem.solve(other, outliers.unit_weights(good), Options())
+        other = problem.solve(other, good, Options())
         change = other.k - state.k
         # Within a deviation it is the same optimum, or one that does not matter.
         if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
@@ -62,7 +62,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
 def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> State:
     """Fit the good points (v, n), approximately, from where the log focal length was held a step away."""
     factor = float(np.exp(step))
-    k, weights = state.k.copy(), outliers.unit_weights(good)
+    k = state.k.copy()
     k[:2] *= factor
     k = problem.nearest(k)
     poses = Poses(state.poses.r, state.poses.t * (1, 1, factor))  # of the same size in the image
@@ -70,8 +70,8 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
     free = np.eye(len(k)) if problem.basis is None else problem.basis
     basis = np.linalg.svd((log_focal_gradient(problem, state) @ free)[None])[2][1:].T
     held = replace(problem, basis=free @ basis)
-    best = held.solve(held.at(k, poses), weights, HELD)
-    return problem.solve(problem.at(best.k, best.poses), weights, ALONG_VALLEY)
+    best = held.solve(held.at(k, poses), good, HELD)
+    return problem.solve(problem.at(best.k, best.poses), good, ALONG_VALLEY)
 
 
 def is_taken(problem: Problem, other: State, good: Mask) -> bool:

@@ -108,15 +108,6 @@ class State:
         """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
 
-    def system(self, weights: Array | None, prior_weight: float) -> System:
-        """Normal equations for points of weight (v, n)."""
-        if not prior_weight:
-            return System.of(self.rows, weights)
-        weighted = prior_weight * self.prior_jacobian.T
-        return System.of(
-            self.rows, weights, (weighted @ self.prior_jacobian, weighted @ self.prior_residuals)
-        )
-
 
 @dataclass(frozen=True, eq=False)
 class Objective:
@@ -137,6 +128,13 @@ class Objective:
             weights = irls_weights if self.weights is None else irls_weights * self.weights
         total = float(rho.sum()) if self.weights is None else float(np.vdot(rho, self.weights))
         return total + self.prior_weight * float(state.prior_residuals @ state.prior_residuals), weights
+
+    def prior_of(self, state: State) -> tuple[Array, Array] | None:
+        """Information (a, a) and half gradient (a,) of the prior; None: it has no weight."""
+        weighted = self.prior_weight * state.prior_jacobian.T
+        return (
+            (weighted @ state.prior_jacobian, weighted @ state.prior_residuals) if self.prior_weight else None
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,14 +223,14 @@ class LeastSquares(ABC):
         rows, square = self.rows_of(k, poses, self.obs)
         return State(k, poses, rows, square, *self.prior(k))
 
-    def solve(self, state: State, weights: Array, options: Options) -> State:
+    def solve(self, state: State, weights: Array | Mask, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
 
         The result is not `converged` if no step led downhill, or if the iterations ran out before the
         predicted decrease was negligible.
         """
         damping, sigma_floor = options.damping, 1e-6 * self.width
-        plain = None if (weights == 1).all() else weights
+        plain = None if (weights == 1).all() else weights.astype(np.float64)
         counted = weights > 0.5
         tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
         predicted = sigma = previous_predicted = np.inf
@@ -244,7 +242,7 @@ class LeastSquares(ABC):
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
             cost, irls_weights = objective.of(state)
-            system = state.system(irls_weights, objective.prior_weight)
+            system = System.of(state.rows, irls_weights, objective.prior_of(state))
             tolerance = options.tolerance * cost + tolerance_abs
             curved = iteration >= self.straight_iterations
             uphill = np.inf

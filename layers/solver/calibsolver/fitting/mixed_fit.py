@@ -89,23 +89,19 @@ class ShapedProblem(LeastSquares):
         del state, counted
         return max(float(np.sqrt(self.variances.noise2)), PRIOR_NOISE_WIDTHS * self.width)
 
-    def believing(self, state: State) -> State:
-        """State with the prior of these variances."""
-        certain, jacobian = 1 / self.variances.shape_deviations(), state.prior_jacobian.copy()
-        jacobian[:SHAPE_SIZE, :SHAPE_SIZE] = np.diag(certain)
-        r = np.append(state.k[:SHAPE_SIZE] * certain, state.prior_residuals[SHAPE_SIZE:])
-        return replace(state, prior_residuals=r, prior_jacobian=jacobian)
-
-    def start(self, state: State) -> State:
-        """Linearize about a state of the board as drawn."""
-        rows = np.empty((SHAPE_SIZE + len(state.rows), *state.rows.shape[1:]))
-        rows[SHAPE_SIZE:] = state.rows
-        return self._with_shape(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses, rows, state.square)
-
     def at(self, k: Array, poses: Poses) -> State:
         """Linearize at k and poses."""
         rows, square = self.rows_of(k, poses, self.obs)
-        return self._with_shape(k, poses, rows, square)
+        by_point = np.empty_like(rows[:3])
+        by_camera_point = rows[-4:-1].transpose(1, 2, 0, 3)
+        np.matmul(poses.r.transpose(0, 2, 1), by_camera_point, out=by_point.transpose(1, 2, 0, 3))
+        by_x, by_y, by_z = by_point
+        for i in range(BEND_SIZE):
+            np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
+        np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
+        rows[3] += by_y * self.displacements[3, :, 1]
+        np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
+        return State(k, poses, rows, square, *self.prior(k))
 
     @property
     def row_positions(self) -> Array:
@@ -147,19 +143,6 @@ class ShapedProblem(LeastSquares):
         """Shape of the board at a state."""
         return replace(self.frame, parameters=tuple(state.k[:SHAPE_SIZE].tolist()))
 
-    def _with_shape(self, k: Array, poses: Poses, rows: Array, square: Array) -> State:
-        """State of rows (SHAPE_SIZE + a + 7, 2, v, n), the first of which are filled here."""
-        by_point = np.empty_like(rows[:3])
-        by_camera_point = rows[-4:-1].transpose(1, 2, 0, 3)
-        np.matmul(poses.r.transpose(0, 2, 1), by_camera_point, out=by_point.transpose(1, 2, 0, 3))
-        by_x, by_y, by_z = by_point
-        for i in range(BEND_SIZE):
-            np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
-        np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
-        rows[3] += by_y * self.displacements[3, :, 1]
-        np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
-        return State(k, poses, rows, square, *self.prior(k))
-
 
 @dataclass(frozen=True, eq=False)
 class MixedFit:
@@ -194,7 +177,7 @@ class MixedFit:
             return None
         v = Variances(noise2)
         fit = cls(ShapedProblem.of(drawn, v), labels, v)
-        begun = fit.problem.start(state)
+        begun = fit.problem.at(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses)
         model = fit.linearize(begun, good)
         fit, v = fit._learn(model)
         if not model.shape_gain(v) > MIN_SHAPE_DECREASE:
@@ -252,7 +235,9 @@ class MixedFit:
 
     def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
         """Solve for the optimum of the good points (v, n)."""
-        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
+        r, jacobian = self.problem.prior(state.k)
+        begun = replace(state, prior_residuals=r, prior_jacobian=jacobian)
+        return self.problem.solve(begun, good, options)
 
     def spread(
         self, state: State, good: Mask, sigma: float, mask: Mask, metric: Array | None = None

@@ -2,12 +2,11 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from .. import deadline
-from ..arrays import Array, Mask
+from ..arrays import Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from . import initial_guess, outliers, plausibility, robust_homography
@@ -43,25 +42,20 @@ class MultiStart:
     known: Camera | None
     rejection_follows: bool = False
 
-    @cached_property
-    def unit_weights(self) -> Array:
-        """Weights (v, n) with all points."""
-        return outliers.unit_weights(self.mask)
-
     def run(self) -> State:
         """Solve from several starts to near the optimum and return the best."""
         obs, problem = self.problem.obs, self.problem
         direct = initial_guess.MAX_TRIAL_VIEWS < obs.view_count <= MAX_DIRECT_VIEWS
         if direct and problem.model.start_families == 1:
             first = next(self.starts(problem), None)
-            begun = None if first is None else self.follow(problem, first, self.unit_weights, self.mask)
+            begun = None if first is None else self.follow(problem, first, self.mask)
             if begun is not None and self.is_clear(problem, begun, self.mask):
                 return begun
         trial_views = initial_guess.subsample_views(obs, self.mask)
         if trial_views is None:
-            return self.rank_optima(problem, self.unit_weights, self.mask)[0]
+            return self.rank_optima(problem, self.mask)[0]
         trial = replace(problem, obs=obs.subset(trial_views))
-        found = self.rank_optima(trial, self.unit_weights[trial_views], self.mask[trial_views])
+        found = self.rank_optima(trial, self.mask[trial_views])
         # Where a few views leave it open which camera it is, all of them decide.
         states = []
         followed = found[:1] if self.within_prior(found[0]) else found[:2]
@@ -71,16 +65,13 @@ class MultiStart:
             first = initial_guess.with_robust_poses(problem.model, obs, k)
             state = problem.at(first.k, first.poses)
             # Intrinsics are approximately known, so gross outliers can be excluded already.
-            near = (
-                state.square
-                <= INLIER_MEDIANS**2 * robust_homography.medians(state.square, self.mask)[:, None]
-            )
-            weights = outliers.unit_weights(near & self.mask)
-            state = problem.solve(state, weights, TOWARDS_OPTIMUM)
-            states.append(reinitialize_outlying_poses(problem, state, weights, self.mask))
+            middle = robust_homography.medians(state.square, self.mask)
+            good = self.mask & (state.square <= INLIER_MEDIANS**2 * middle[:, None])
+            state = problem.solve(state, good, TOWARDS_OPTIMUM)
+            states.append(reinitialize_outlying_poses(problem, state, good, self.mask))
         return outliers.rank_states(states, problem, self.mask)[0]
 
-    def rank_optima(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
+    def rank_optima(self, trial: Problem, mask: Mask) -> list[State]:
         """Rank the optima that the starts lead to, the best first.
 
         The search stops at an optimum within the prior, or when a second start leads to the best one. The
@@ -91,7 +82,7 @@ class MultiStart:
         families = trial.model.start_families
         is_single = self.rejection_follows and trial is self.problem and families == 1
         for first in self.starts(trial):
-            state = self.follow(trial, first, weights, mask)
+            state = self.follow(trial, first, mask)
             if state is None:
                 continue
             if is_single and not found and self.is_clear(trial, state, mask):
@@ -122,17 +113,15 @@ class MultiStart:
         for start in initial_guess.focal_sweep(model, obs, size)[:MAX_SWEEP_STARTS]:
             yield initial_guess.with_robust_poses(model, obs, start.k)
 
-    def follow(
-        self, problem: Problem, first: initial_guess.Start, weights: Array, mask: Mask
-    ) -> State | None:
+    def follow(self, problem: Problem, first: initial_guess.Start, mask: Mask) -> State | None:
         """Solve from a start to near the optimum; None if it diverges."""
         deadline.check()
         state = problem.at(first.k, first.poses)
         good = mask if first.weights is None else mask & (first.weights > 0)
         if not (state.is_finite and good.any()):
             return None
-        state = problem.solve(state, outliers.unit_weights(good), TOWARDS_OPTIMUM)
-        state = reinitialize_outlying_poses(problem, state, weights, mask)
+        state = problem.solve(state, good, TOWARDS_OPTIMUM)
+        state = reinitialize_outlying_poses(problem, state, mask, mask)
         return state if state.is_finite else None
 
     def is_close(self, problem: Problem, state: State, mask: Mask) -> bool:
@@ -167,7 +156,7 @@ def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iter
             yield initial_guess.with_robust_poses(problem.model, problem.obs, problem.nearest(start.k))
 
 
-def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, mask: Mask) -> State:
+def reinitialize_outlying_poses(problem: Problem, state: State, good: Mask, mask: Mask) -> State:
     """Reinitialize the poses of views that fit badly from the LMedS inliers among their points.
 
     Robust weights do not recover a view in which a row of corners has wrong names: to fit all points a little
@@ -186,11 +175,11 @@ def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, 
         better = middle < robust_homography.medians(state.square[bad], mask[bad])
         if not better.any():
             break
-        weights = weights.copy()
+        good = good.copy()
         all_poses = state.poses.replace(bad[better], Poses(poses.r[better], poses.t[better]))
         near = square <= INLIER_MEDIANS**2 * middle[:, None]
-        weights[bad[better]] = (near & mask[bad])[better]
-        state = problem.solve(problem.at(state.k, all_poses), weights, TOWARDS_OPTIMUM)
+        good[bad[better]] = (near & mask[bad])[better]
+        state = problem.solve(problem.at(state.k, all_poses), good, TOWARDS_OPTIMUM)
     return state
 
 
@@ -199,4 +188,4 @@ def refit_without_gross_outliers(problem: Problem, state: State, mask: Mask) -> 
     good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, problem.img_size)
     if np.array_equal(good, mask):
         return state
-    return problem.solve(state, outliers.unit_weights(good), Options(tolerance=1e-4))
+    return problem.solve(state, good, Options(tolerance=1e-4))

@@ -8,7 +8,6 @@ import numpy as np
 from ..arrays import Array, IntArray, Mask
 from . import levenberg_marquardt, plausibility
 from .levenberg_marquardt import Options, Problem, State
-from .observations import Observations
 from .robust_homography import medians
 from .validation import MIN_POINTS
 
@@ -46,13 +45,13 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
         return inlier_mask(state, mask, mask, GROSS_OUTLIER_SIGMAS, problem.img_size)
 
     # A view of wrong corners would turn a pose, and then the camera.
-    weights = unit_weights(mask & inliers().any(axis=1, keepdims=True))
-    state = problem.solve(state, weights, ROBUST_OPTIMUM)
+    near = mask & inliers().any(axis=1, keepdims=True)
+    state = problem.solve(state, near, ROBUST_OPTIMUM)
     good, previous = inliers(), mask
     for rejections in range(MAX_GROSS_REJECTIONS):
         if not good.any() or np.array_equal(good, previous):
             return state, good, rejections > 0
-        state = problem.solve(state, unit_weights(good), LEAST_SQUARES)
+        state = problem.solve(state, good, LEAST_SQUARES)
         previous, good = good, inliers()
     return state, good, np.array_equal(good, previous)
 
@@ -119,9 +118,7 @@ def unit_weights(good: Mask) -> Array:
     return good.astype(np.float64)
 
 
-def outliers_concentrate_at_rim(
-    good: Mask, among: Mask, obs: Observations, img_size: tuple[int, int]
-) -> bool:
+def concentrate_at_rim(problem: Problem, good: Mask, among: Mask) -> bool:
     """True if the outliers `among` some points (v, n) concentrate at the rim of the image.
 
     Corners that were found badly lie anywhere. At the rim it may be the model that fails, unseen without
@@ -129,7 +126,7 @@ def outliers_concentrate_at_rim(
     """
     if np.array_equal(good, among):
         return False
-    offsets = obs.pixels - (np.asarray(img_size) / 2)[None, :, None]
+    offsets = problem.obs.pixels - (np.asarray(problem.img_size) / 2)[None, :, None]
     radius = np.hypot(offsets[:, 0], offsets[:, 1])[among]
     share = max(RIM_SHARE, min(MIN_RIM_POINTS / radius.size, 1.0))
     inner = math.ceil((radius.size - 1) * (1 - share))

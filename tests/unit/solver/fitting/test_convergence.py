@@ -10,7 +10,6 @@ from calibsolver.fitting.initial_guess import focal_sweep
 from calibsolver.fitting.levenberg_marquardt import Options, Problem, State
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
-from calibsolver.fitting.outliers import unit_weights
 from calibsolver.fitting.robust_covariance import cluster_grams, with_more_points
 from tests.helpers import data
 
@@ -34,7 +33,7 @@ def test_model_that_is_too_simple_settles_in_few_steps(monkeypatch: pytest.Monke
         return at(self, k, poses)
 
     monkeypatch.setattr(Problem, "at", counted)
-    state = problem.solve(begun, unit_weights(obs.mask), Options())
+    state = problem.solve(begun, obs.mask, Options())
     assert state.converged
     assert count <= 6
     deviations = np.sqrt(np.diagonal(optimum.covariance))
