@@ -244,29 +244,25 @@ class Contributions:
         majority = away[: len(away) // 2 + 1]
         return float(np.sqrt(np.sum(majority**2) / max(len(majority) - 1, 1)))
 
-    def leave_out_influence(
-        self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]
-    ) -> tuple[float, float]:
-        """Largest shifts of the location of `group` when one, and when two contributors are left out, px rms.
+    def leave_out_influence(self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]) -> float:
+        """Largest shift of the location of `group` when one or two contributors are left out, px rms.
 
         `regroup` decides again which of the remaining calibrations (indices) agree with those of the group.
         Infinite if no contributor is left. Of many contributors those with most influence are left out.
         """
         whole = self.locate(group)
         if len(whole.numbers) < 3:
-            return np.inf, np.inf
+            return np.inf
         pull = self.length(whole.deviations) * whole.weights
         candidates = whole.numbers[np.argsort(-pull, kind="stable")][:MAX_EXACT_CONTRIBUTORS]
-        one, two = 0.0, 0.0
+        largest = 0.0
         members = np.arange(len(self.owner))
         for left_out in itertools.chain(
             itertools.combinations(candidates, 1), itertools.combinations(candidates, 2)
         ):
             rest = members[~np.isin(self.owner, left_out)]
-            shift = float(self.length(self.locate(regroup(rest)).y - whole.y))
-            one = max(one, shift) if len(left_out) == 1 else one
-            two = max(two, shift)
-        return one, two
+            largest = max(largest, float(self.length(self.locate(regroup(rest)).y - whole.y)))
+        return largest
 
 
 def number_owners(names: Sequence[str]) -> IntArray:

@@ -142,7 +142,7 @@ def pool(
     coverage = Coverage.of(pooled, [view for f in group for view in f.member.views])
     any_number = replace(rule, min_calibrations=1)
     reason, remaining = (
-        unreliable_reason(group, errors, members, coverage, img_size, r, is_stable=is_stable)
+        unreliable_reason(group, errors, members, coverage, r, is_stable=is_stable)
         for r in (rule, any_number)
     )
     return Consensus(
@@ -197,10 +197,10 @@ def locate_contributors(
     if not pooled.avg_reprojection_error < own + agreement.rule.max_unexplained * width:
         return None
     errors = cross_validate_contributors(indices, contributions)
-    one, two = contributions.leave_out_influence(indices, agreement.regroup)
+    influence = contributions.leave_out_influence(indices, agreement.regroup)
     contributors = len({f.member.contributor for f in group})
     spread = contributions.majority_spread(indices)
-    return pooled, errors, max(one, two) <= max_influence(contributors, spread, width)
+    return pooled, errors, influence <= max_influence(contributors, spread, width)
 
 
 class _Agreement:
@@ -217,25 +217,19 @@ class _Agreement:
         self.groups = split_into_groups(self.estimates, _weights(fits, rule))
 
     @cached_property
-    def reference(self) -> int:
-        """Index of the member in the middle of the largest group."""
-        group = self.groups[0]
-        return group[medoid([self.fits[i].calibration for i in group])]
-
-    @cached_property
     def contributions(self) -> Contributions:
         """Members' views, linearized about the location of the largest group."""
         group = self.groups[0]
+        members = [self.fits[i] for i in group]
+        camera = members[medoid([f.calibration for f in members])].calibration.camera
         try:
-            start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
-            result = start.relinearize(group)
+            result = Contributions(self.fits, camera).relinearize(group)
         except CalibrationError:
             result = None
         if result is not None and result.length(result.locate(group).y) < result.huber_px:
             return result
         # One calibration may lie far along a valley of the model; all of them together do not.
-        camera = self.fits[self.reference].calibration.camera
-        pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)
+        pooled = fit_views(members, camera.img_size, camera.model)
         return Contributions(self.fits, pooled.camera).relinearize(group)
 
     def regroup(self, indices: IntArray) -> IntArray:
@@ -254,7 +248,6 @@ def unreliable_reason(
     errors: Array,
     members: Sequence[Member],
     coverage: Coverage,
-    img_size: tuple[int, int],
     rule: Rule,
     *,
     is_stable: bool,
@@ -270,12 +263,13 @@ def unreliable_reason(
     share = sum(weights[f.member.id] for f in group) / sum(weights.values())
     if len(group) < rule.min_calibrations or share < rule.min_share - 1e-9:
         return "disagree"
+    width = group[0].calibration.camera.img_size[0]
     own = np.array([f.calibration.avg_reprojection_error for f in group])
-    if len(group) > 1 and (errors > own + rule.max_unexplained * img_size[0]).any():
+    if len(group) > 1 and (errors > own + rule.max_unexplained * width).any():
         return "disagree"
     if count_contributors(group) < rule.min_contributors:
         return "few_contributors"
-    if not coverage.rms <= MAX_STATED_WIDTHS * img_size[0]:
+    if not coverage.rms <= MAX_STATED_WIDTHS * width:
         return "imprecise"
     return None if is_stable else "disagree"
 

@@ -53,7 +53,7 @@ def approximate(
     mask = obs.mask & ~mirrored[usable][order.views][:, None]
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
         state = refit_without_gross_outliers(problem, MultiStart(problem, mask, start).run(), mask)
-        good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, img_size)
+        good = outliers.inlier_mask(state, mask, mask, img_size[0], outliers.GROSS_OUTLIER_SIGMAS)
         plausibility.check_result(problem, state, good, robust=True)
     poses = np.full((len(views), 6), np.nan)
     poses[usable] = order.back(state.poses.vectors())

@@ -192,9 +192,7 @@ class _Fit:
         mixed, shaped = begun
         for _ in range(MAX_MASKS):
             shaped = mixed.solve(shaped, good, REJECTION)
-            taken = outliers.inlier_mask(
-                shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
-            )
+            taken = outliers.inlier_mask(shaped, self.mask, good, self.problem.width)
             if outliers.concentrate_at_rim(self.problem, taken, good):
                 taken = taken | good
             if np.array_equal(taken, good) or not taken.any():
@@ -246,9 +244,7 @@ class _Fit:
         """Reject outliers and refit in turn; without outliers the result is `state` itself."""
         previous = inliers
         for _ in range(MAX_REJECTIONS - 1):
-            good = outliers.inlier_mask(
-                state, self.mask, previous, outliers.OUTLIER_SIGMAS, self.problem.img_size
-            )
+            good = outliers.inlier_mask(state, self.mask, previous, self.problem.width)
             if not good.any() or np.array_equal(previous, good):
                 return state, good
             state = self.problem.solve(state, good, REJECTION)
@@ -278,20 +274,16 @@ class _Fit:
                 key=lambda s: float(s.square.sum()),
                 default=None,
             )
-            if (
-                best is not None
-                and plausibility.share_outside_domain(problem, best, self.mask)
-                <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-            ):
+            if best is not None and not plausibility.folds(problem, best, self.mask):
                 return self._result(best, self.mask, with_prior=False)
         state = problem.solve(state, self.mask, Options())
         return self._result(state, self.mask)
 
     def _evidence(self, state: State, good: Mask, sigma: float) -> robust_covariance.Evidence:
         rows, poses, obs, mask = state.rows, state.poses, self.problem.obs, self.mask
-        taken = good.any(axis=1)
+        taken: Mask = np.asarray(good.any(axis=1))
         if not taken.all():
-            rows, poses = rows[:, :, taken], Poses(poses.r[taken], poses.t[taken])
+            rows, poses = rows[:, :, taken], poses.subset(taken)
             obs, good, mask = obs.subset(np.flatnonzero(taken)), good[taken], mask[taken]
         labels = robust_covariance.same_pose_labels(poses, obs, good, self.problem.focal_widths(state.k))
         row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
@@ -391,7 +383,7 @@ class _Fit:
             return state
         poses, square = resection.resect(problem.model, state.k, problem.obs.subset(out))
         better = np.isfinite(square) & (square < np.where(problem.obs.mask, state.square, 0)[out].sum(axis=1))
-        resected = state.poses.replace(out[better], Poses(poses.r[better], poses.t[better]))
+        resected = state.poses.replace(out[better], poses.subset(better))
         return replace(problem.at(state.k, resected), converged=state.converged)
 
     def _cut_reasons(self, good: Mask) -> dict[int, str]:

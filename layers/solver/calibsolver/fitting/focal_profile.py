@@ -76,11 +76,7 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
 
 def is_taken(problem: Problem, other: State, good: Mask) -> bool:
     """True if another calibration might return a fit that ends there."""
-    return (
-        other.converged
-        and other.is_finite
-        and plausibility.share_outside_domain(problem, other, good) <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-    )
+    return other.converged and other.is_finite and not plausibility.folds(problem, other, good)
 
 
 def log_focal_gradient(problem: Problem, state: State) -> Array:

@@ -63,7 +63,7 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
-        of_k = Poses(poses.r[part], poses.t[part])
+        of_k = poses.subset(part)
         p = of_k.camera_points(obs.points).transpose(1, 0, 2)
         with np.errstate(all="ignore"):  # what lies behind the camera is masked out
             away = np.where(model.valid(k[4:], p), model.project(k, p) - pixels, np.inf)

@@ -386,8 +386,8 @@ class Problem(LeastSquares):
 
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Residuals (2, v, n), px."""
-        q = normal_equations.project(self.model, k, poses, obs.points)
-        r: Array = (q - obs.pixels).transpose(1, 0, 2)
+        p, pixels = (each.transpose(1, 0, 2) for each in (poses.camera_points(obs.points), obs.pixels))
+        r = self.model.project(k, p) - pixels
         return r if obs.scale is None else r * obs.scale
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:

@@ -11,7 +11,6 @@ from ..camera import Camera
 from ..errors import CalibrationError
 from . import initial_guess, outliers, plausibility, robust_homography
 from .levenberg_marquardt import Options, Problem, State
-from .normal_equations import Poses
 
 MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
@@ -126,11 +125,8 @@ class MultiStart:
 
     def is_close(self, problem: Problem, state: State, mask: Mask) -> bool:
         """True if an optimum explains most points (v, n), all within the model's domain."""
-        return (
-            outliers.trimmed_rms(state, mask) < MAX_TRUSTED_RMS_WIDTHS * self.problem.img_size[0]
-            and plausibility.share_outside_domain(problem, state, mask)
-            <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-        )
+        rms = outliers.trimmed_rms(state, mask)
+        return rms < MAX_TRUSTED_RMS_WIDTHS * problem.width and not plausibility.folds(problem, state, mask)
 
     def is_clear(self, problem: Problem, state: State, mask: Mask) -> bool:
         """True if an optimum explains the views, and the camera is like others."""
@@ -176,7 +172,7 @@ def reinitialize_outlying_poses(problem: Problem, state: State, good: Mask, mask
         if not better.any():
             break
         good = good.copy()
-        all_poses = state.poses.replace(bad[better], Poses(poses.r[better], poses.t[better]))
+        all_poses = state.poses.replace(bad[better], poses.subset(better))
         near = square <= INLIER_MEDIANS**2 * middle[:, None]
         good[bad[better]] = (near & mask[bad])[better]
         state = problem.solve(problem.at(state.k, all_poses), good, TOWARDS_OPTIMUM)
@@ -185,7 +181,7 @@ def reinitialize_outlying_poses(problem: Problem, state: State, good: Mask, mask
 
 def refit_without_gross_outliers(problem: Problem, state: State, mask: Mask) -> State:
     """Refit without gross outliers, which would bias the way to the optimum."""
-    good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, problem.img_size)
+    good = outliers.inlier_mask(state, mask, mask, problem.width, outliers.GROSS_OUTLIER_SIGMAS)
     if np.array_equal(good, mask):
         return state
     return problem.solve(state, good, Options(tolerance=1e-4))

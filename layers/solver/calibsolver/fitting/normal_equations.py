@@ -53,15 +53,13 @@ class Poses:
         r[index], t[index] = poses.r, poses.t
         return Poses(r, t)
 
+    def subset(self, index: IntArray | Mask | slice) -> "Poses":
+        """Poses of some views."""
+        return Poses(self.r[index], self.t[index])
+
     def camera_points(self, points: Array) -> Array:
         """Points (v, 3, n), board frame -> camera frame."""
         return self.r @ points + self.t[:, :, None]
-
-
-def project(model: Model, k: Array, poses: Poses, points: Array) -> Array:
-    """Pixels (v, 2, n) of points (v, 3, n), board frame."""
-    p = poses.camera_points(points)
-    return model.project(k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
 
 
 def linearize(

@@ -42,7 +42,7 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
     """
 
     def inliers() -> Mask:
-        return inlier_mask(state, mask, mask, GROSS_OUTLIER_SIGMAS, problem.img_size)
+        return inlier_mask(state, mask, mask, problem.width, GROSS_OUTLIER_SIGMAS)
 
     # A view of wrong corners would turn a pose, and then the camera.
     near = mask & inliers().any(axis=1, keepdims=True)
@@ -56,12 +56,12 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
     return state, good, np.array_equal(good, previous)
 
 
-def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:
+def inlier_mask(state: State, mask: Mask, among: Mask, width: int, sigmas: float = OUTLIER_SIGMAS) -> Mask:
     """Inlier mask (v, n): points within so many `sigmas`; of a view that loses most of them, none.
 
     The noise is that of the points `among` (v, n), without those that were left out before.
     """
-    good = near_points(state, mask, among, sigmas, img_size[0])
+    good = near_points(state, mask, among, sigmas, width)
     if good is not mask:
         count = good.sum(axis=1)
         good &= (count >= np.maximum(MIN_POINTS, MIN_INLIER_SHARE * mask.sum(axis=1)))[:, None]
@@ -99,9 +99,7 @@ def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[S
 
     def score(state: State) -> tuple[bool, float]:
         explained = np.minimum(state.square[mask] / sigma2, MAX_COUNTED_SIGMAS**2)
-        folds = (
-            plausibility.share_outside_domain(problem, state, mask) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-        )
+        folds = plausibility.folds(problem, state, mask)
         return folds, float(explained.sum() + state.prior_residuals @ state.prior_residuals)
 
     return sorted(states, key=score)

@@ -23,9 +23,9 @@ def inside_domain(problem: Problem, state: State) -> Mask:
     return problem.model.valid(state.k[4:], p)
 
 
-def share_outside_domain(problem: Problem, state: State, mask: Mask) -> float:
-    """Share of the points (v, n) that lie elsewhere."""
-    return 1 - float(np.mean(inside_domain(problem, state)[mask]))
+def folds(problem: Problem, state: State, mask: Mask) -> bool:
+    """True if too many of the points (v, n) lie elsewhere."""
+    return 1 - float(np.mean(inside_domain(problem, state)[mask])) > MAX_SHARE_OUTSIDE_DOMAIN
 
 
 def check_result(problem: Problem, state: State, good: Mask, robust: bool) -> None:

@@ -38,10 +38,7 @@ class Weights:
         self.grown = np.concatenate([edge, slope])
 
 
-@lru_cache(maxsize=16)
-def weights(model: Model) -> Weights:
-    """Constants of a model's prior."""
-    return Weights(model)
+weights = lru_cache(maxsize=16)(Weights)
 
 
 def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array, Array]:

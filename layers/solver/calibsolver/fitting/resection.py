@@ -88,11 +88,11 @@ def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
                 break
             before = cost[views]
             step, predicted = System.of(rows, None).pose_steps(damping)
-            moved = Poses(poses.r[views], poses.t[views]).retract(step)
+            moved = poses.subset(views).retract(step)
             moved_rows, after = pose_rows(model, k, moved, obs)
             accepted, damping = (x.astype(float) for x in ASSESS_STEPS(damping, before - after, predicted))
             better = accepted > 0
-            poses = poses.replace(views[better], Poses(moved.r[better], moved.t[better]))
+            poses = poses.replace(views[better], moved.subset(better))
             cost[views[better]] = after[better]
             rows = np.where(better[:, None], moved_rows, rows)
             decrease = np.where(better, before - after, np.inf)
