@@ -14,9 +14,8 @@ from .fitting.fit import fit
 from .view import View
 
 RIM_POINTS = 64
-"""Points along the rim of a circle."""
 ROUNDS = 3
-"""Fits, each of centres corrected by the one before: the correction settles at once."""
+"""Fits, each of centres corrected by the one before."""
 
 
 def centre_bias(camera: Camera, view: View, pose: Array, radius: float) -> Array:

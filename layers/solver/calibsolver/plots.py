@@ -12,12 +12,9 @@ from .fitting.calibration import Calibration
 from .view import View
 
 ARROW_SHARE = 0.05
-"""Length of a typical residual's arrow / image width."""
 TYPICAL_PERCENTILE = 90.0
 STD_GRID = (64, 48)
-"""Columns and rows of the uncertainty map."""
 LINES = 9
-"""Straight lines of the scene each way."""
 
 
 def residuals(axes: Any, calibration: Calibration, views: Sequence[View]) -> None:

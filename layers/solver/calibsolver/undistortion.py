@@ -13,9 +13,7 @@ from .errors import CalibrationError
 MAX_RECTIFIED_ANGLE_DEG = 80.0
 """Largest angle from the axis in a rectified picture: beyond, the plane grows without bound."""
 BORDER_POINTS = 65
-"""Points along each edge of the picture."""
 HALVINGS = 40
-"""Of the way from the border to the last pixel with a ray."""
 
 
 def new_camera_matrix(camera: Camera, alpha: float = 0.0, size: Sequence[int] | None = None) -> Array:

@@ -26,9 +26,7 @@ from ..fitting.calibration import Calibration
 from ..fitting.uncertainty import image_error_metric, projection_jacobian_rotation_free
 
 COMPARISON_GRID = (12, 9)
-"""Columns and rows of pixels."""
 MIN_SHARED_IMAGE = 0.5
-"""Share of the image for which two calibrations must both have rays."""
 MAX_PREDICTIVE_RATIO = 5.0
 MAX_DISTANCE_RATIO = 5.0
 """Limits of the ratios, the second if specimens differ by SPECIMEN_SPREAD_WIDTHS."""
@@ -47,7 +45,6 @@ MIN_IMAGE_SHARE = 1e-4
 MAX_MEAN_ITERATIONS = 20
 MAX_ROUNDS = 12
 MAX_STARTS = 4
-"""Neighbourhoods from which a group is searched, the heaviest first."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,18 +33,15 @@ HUBER_WIDTHS = 0.75 / 1280
 no harder: 0.18 % of the focal length. Specimens of one product differ by 0.1 to 0.4 %."""
 MAX_IRLS_ITERATIONS = 100
 IRLS_TOLERANCE_PX = 1e-5
-"""Step, px rms over the image, below which the M-estimate has settled."""
 MIN_METRIC = 1e-6
 """Share by which every parameter moves the image at least: the metric must not be singular."""
 MAX_VIEW_POINTS = 150
-"""Points of a view that are linearized, and stand for the others."""
 MAX_LINEARIZATIONS = 5
 STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
 """Shares of a step that are tried, and the growth of the cost up to which one is taken."""
 MAX_LINEAR_STEP_WIDTHS = 0.05 / 1280
 """Step / image width, rms over the image, from which the views are linearized again."""
 MAX_EXACT_CONTRIBUTORS = 8
-"""Contributors, those with most influence, of whom each two are left out and everything is decided again."""
 
 
 @dataclass(frozen=True, eq=False)

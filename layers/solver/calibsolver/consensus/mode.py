@@ -10,7 +10,6 @@ from ..fitting.resection import reprojection_score
 from ..view import View
 
 NOISE_FLOOR_WIDTHS = 1e-4
-"""Error / image width below which differences mean nothing."""
 MAX_SPECIMEN_WIDTHS = 2e-3
 """Error of views / image width that another specimen of the product may have, besides their noise."""
 MIN_CONTRAST = 2.0

@@ -14,7 +14,6 @@ from ..rotation import matrix
 from .location import Contributions, FittedMember
 
 FOLDS = 5
-"""Parts of a group that are left out in turn."""
 
 
 def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: str) -> Calibration:

@@ -22,7 +22,6 @@ from .systematic_effects import BEND_SIZE
 MAX_STRETCH = 0.01
 """Stretch that a printer may cause; a larger one is rather the lens or the shutter."""
 HEIGHT_GRID = np.linspace(-1, 1, 9)
-"""Places along each side of the board at which its height is looked up."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,9 +31,7 @@ MAX_INCREASE = 9.0
 MIN_COVERED = 0.9999
 TOWARDS = Options(iterations=120, damping=1e-3)
 SIDES = np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]])
-"""Directions in the image to its sides."""
 DIFFERENCE = 1e-6
-"""Relative step of derivatives."""
 
 
 def excess(model: Model, k: Array, img_size: tuple[int, int]) -> float:

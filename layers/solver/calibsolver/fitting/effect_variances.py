@@ -15,7 +15,6 @@ the other."""
 MOTIONS = np.concatenate([[0.0], np.geomspace(0.05, 50.0, 8)])
 """Variances of motion that are tried / that in hands; all but 0 are equally likely before."""
 MIN_PIVOT = 1e-12
-"""Least share of an unknown's information that the effects leave."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -288,8 +288,6 @@ class _Fit:
         labels = robust_covariance.same_pose_labels(poses, obs, good, self.problem.focal_widths(state.k))
         row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
         effects = systematic_effects.displacements(rows[-POSE_SIZE - 1 : -1], poses, obs.points, row)
-        if good.all():
-            return robust_covariance.Evidence.of(rows, effects, poses, labels)
         evidence = robust_covariance.Evidence.of(rows, effects, poses, labels, used=good)
         limit = outliers.OUTLIER_SIGMAS * sigma
         seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)

@@ -20,9 +20,7 @@ STEP = float(np.log(2)) / 2
 MAX_STEP_DEVIATIONS = 10.0
 """Largest step in standard deviations of the logarithm: if they are smaller, the profile has one minimum."""
 HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
-"""Into the valley, at a given focal length."""
 ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)
-"""Until it is clear if this is another optimum."""
 MIN_DETERMINING_VIEWS = 3
 """Views that determine all intrinsics (Zhang 2000): with fewer the prior decides."""
 

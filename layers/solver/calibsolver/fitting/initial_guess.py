@@ -19,7 +19,6 @@ from .normal_equations import Poses
 from .observations import MIX, Observations
 
 MAX_TRIAL_VIEWS = 10
-"""Views on which starts are tried."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,6 @@ from .observations import Observations
 RAYLEIGH_MEDIAN = 1.1774100225154747
 """sqrt(2 ln 2), median length of a 2-vector of independent N(0, 1)."""
 HUBER_SIGMAS = 3.0
-"""Residual length / sigma of one coordinate, from which a point counts less."""
 
 NOISE_FLOOR = 4e-5
 """Noise of one coordinate / image width that no detector undercuts."""
@@ -33,9 +32,7 @@ EXTRAPOLATE_BELOW = 1e-3
 NEGLIGIBLE_DECREASE = 1e-5
 """Decrease of the cost, in squares of sigma: a three-hundredth of a standard deviation from the optimum."""
 UNDAMPED = 1e-8
-"""Damping up to which a step is a Gauss-Newton step."""
 MIN_GAIN_RATIO = 0.25
-"""Actual / predicted decrease below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
 """Bounds of the damping: when lowered, when raised, and the one beyond which no step leads downhill."""
 SAME_STEP = 0.99

@@ -167,11 +167,11 @@ class MixedFit:
     def begin(
         cls, drawn: LeastSquares, state: State, good: Mask, labels: IntArray, noise2: float
     ) -> "tuple[MixedFit, State] | None":
-        """Begin at the optimum with the board as drawn.
+        """Begin at the optimum for the good points (v, n) with the board as drawn.
+
+        `noise2` is that of the corners, px^2.
 
         None if a shape explains no more than chance and motion do.
-
-        `good` (v, n) are the points that took part, `noise2` is the variance of the noise, px^2.
         """
         if noise2 < (PRIOR_NOISE_WIDTHS * drawn.width) ** 2:  # a bend leaves more
             return None
@@ -186,8 +186,7 @@ class MixedFit:
 
     def linearize(self, state: State, good: Mask) -> MixedModel:
         """Mixed model of the good points (v, n) about a state."""
-        used = None if good.all() else good
-        gram = robust_covariance.cluster_grams(state.rows, self._motion(state), self.labels, used)
+        gram = robust_covariance.cluster_grams(state.rows, self._motion(state), self.labels, good)
         return self._model(state, good, gram)
 
     def _motion(self, state: State) -> Array:
@@ -256,8 +255,7 @@ class MixedFit:
         noise2, effects = sigma**2, self._motion(state)
         if metric is not None:
             metric = block_diagonal(np.zeros((SHAPE_SIZE, SHAPE_SIZE)), metric)
-        used = None if good.all() else good
-        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
+        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, good)
         model = self._model(state, good, evidence.gram)
         learnt = model.learn(self.begun)
         if not np.array_equal(mask, good):

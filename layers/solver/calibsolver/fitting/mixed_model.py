@@ -32,10 +32,8 @@ EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 FIRST_MOTION = 1.0
 """Initial variance of motion: the maximization is slow from below."""
 MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
-"""Steps of the maximization, and relative change of the variances below which it ends."""
 EXTRAPOLATION_STEPS = 3
 MAX_RATE = 0.95
-"""Largest ratio of successive changes in an extrapolation."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ MAX_PRIOR_Z = 3.0
 """Sigmas of the prior by which aspect and principal point may differ before other starts are tried."""
 MAX_REINITIALIZATIONS = 3
 INLIER_MEDIANS = 5.0
-"""Median errors of its view within which a point is an inlier."""
 SAME_OPTIMUM = 0.02
 """Relative difference of focal length, principal point (in widths) and rms within which optima are equal."""
 MAX_DIRECT_VIEWS = 24

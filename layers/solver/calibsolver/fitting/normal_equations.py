@@ -2,8 +2,8 @@
 
 Per view the Jacobian is [A | B] with A by the intrinsics (p) and B by the pose (6: a small rotation applied
 from the left in the camera frame, then the translation). The Schur complement of the pose, S = A'A - A'B
-(B'B)^-1 B'A, is the Fisher information of the intrinsics at unit noise, the pose marginalised (Triggs et al.,
-"Bundle adjustment", 2000).
+(B'B)^-1 B'A, is the Fisher information of the intrinsics at unit noise (Triggs et al., "Bundle adjustment",
+2000).
 
 `rows` are a Jacobian transposed, one plane in memory for each unknown: (p + 6, 2, v, n), the intrinsics
 first.

@@ -12,11 +12,10 @@ from .robust_homography import medians
 from .validation import MIN_POINTS
 
 OUTLIER_SIGMAS = 4.0
-"""Sigmas beyond which a point is an outlier: one in 3000 good ones."""
+"""One in 3000 good points lies beyond."""
 GROSS_OUTLIER_SIGMAS = 6.0
-"""Sigmas beyond which a point is cut first, so that the rest is tested against a fit without it."""
+"""Points beyond are cut first, so that the rest is tested against a fit without them."""
 RIM_SHARE = 0.01
-"""Share of the points, the outermost, that make the rim of the image."""
 MAX_CHANCE_RIM_OUTLIERS = 0.4
 """Share of the points at the rim that chance may make outliers."""
 MIN_RIM_EXCESS = 4.0

@@ -20,11 +20,8 @@ from .validation import in_range
 MAX_ITERATIONS = 60
 FIRST_DAMPING = 1e-6
 MIN_DECREASE = 1e-8
-"""Relative decrease of a view's squared error below which its pose is left."""
 MIN_POSE_POINTS = 4
-"""Points of a plane that make a pose."""
 ASSESS_STEPS = np.frompyfunc(assess_step, 3, 2)
-"""`assess_step` of each view: its arguments and its results are (v,)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,6 @@ MIN_EXPECTED = 1e-9
 MAX_BLOCK_NUMBERS = 2**15
 """Numbers of a Jacobian per block, which fit in the cache."""
 MAX_BLOCK_ROWS = 1024
-"""Rows of the matrix of distances per block."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,7 @@ class Evidence:
         return cls(_sum_by(gram, labels), metric)
 
 
-def cluster_grams(rows: Array, effects: Array, labels: IntArray, used: Mask | None) -> Array:
+def cluster_grams(rows: Array, effects: Array, labels: IntArray, used: Mask) -> Array:
     """Gram matrices (c, ...) as of `Evidence.of`: faster, but they lose digits."""
     gram = [
         normal_equations.projected_gram_matrices(parts, counted)

@@ -22,7 +22,7 @@ MAX_IMAGE_DISTANCE, MAX_BOARD_DISTANCE = 10.0, 1e9
 
 
 MAX_OUTSIDE = 0.05
-"""Distance of a point from the image / its longer side, above which the size is wrong and not the point."""
+"""Distance of a point from the image / its longer side, above which the size is wrong."""
 
 
 def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
