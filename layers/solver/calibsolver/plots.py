@@ -123,14 +123,11 @@ def _scene_lines(camera: Camera, matrix: Array) -> list[Array]:
     """Straight lines on the plane z = 1, (n, 3) each, that fill the rectified picture."""
     w, h = camera.img_size
     inverse = np.linalg.inv(matrix)
-    lines = []
+    along, lines = np.linspace(0, 1, 200), []
     for share in np.linspace(0, 1, LINES):
-        along = np.linspace(0, 1, 200)
-        for u, v in (
-            (along * (w - 1), 0 * along + share * (h - 1)),
-            (0 * along + share * (w - 1), along * (h - 1)),
-        ):
-            lines.append(np.stack([u, v, np.ones_like(u)], axis=1) @ inverse.T)
+        across = np.full_like(along, share)
+        for u, v in ((along, across), (across, along)):
+            lines.append(np.stack([u * (w - 1), v * (h - 1), np.ones_like(u)], axis=1) @ inverse.T)
     return lines
 
 

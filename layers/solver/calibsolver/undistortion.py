@@ -34,23 +34,14 @@ def new_camera_matrix(camera: Camera, alpha: float = 0.0, size: Sequence[int] | 
         raise CalibrationError("out_of_range", f"alpha lies in 0 to 1, not {alpha}")
     (w, h), (new_w, new_h) = camera.img_size, size or camera.img_size
     x, y = np.linspace(0, w - 1, BORDER_POINTS), np.linspace(0, h - 1, BORDER_POINTS)
-    edges = {
-        "top": np.stack([x, np.zeros_like(x)], axis=1),
-        "bottom": np.stack([x, np.full_like(x, h - 1)], axis=1),
-        "left": np.stack([np.zeros_like(y), y], axis=1),
-        "right": np.stack([np.full_like(y, w - 1), y], axis=1),
-    }
-    planes = {name: _on_plane(_rays_near(camera, edge)) for name, edge in edges.items()}
-    everything = np.concatenate(list(planes.values()))
+    edges = ((x, 0.0), (x, h - 1.0), (0.0, y), (w - 1.0, y))
+    borders = [np.stack(np.broadcast_arrays(*edge), axis=1) for edge in edges]
+    top, bottom, left, right = (_on_plane(_rays_near(camera, border)) for border in borders)
+    everything = np.concatenate([top, bottom, left, right])
     if not np.isfinite(everything).any():
         return np.array(camera.matrix)
     outer = (*everything.min(axis=0), *everything.max(axis=0))
-    inner = (
-        planes["left"][:, 0].max(),
-        planes["top"][:, 1].max(),
-        planes["right"][:, 0].min(),
-        planes["bottom"][:, 1].min(),
-    )
+    inner = (left[:, 0].max(), top[:, 1].max(), right[:, 0].min(), bottom[:, 1].min())
     if not (inner[0] < inner[2] and inner[1] < inner[3]):
         inner = outer
     matrices = [_fill(bounds, (int(new_w), int(new_h))) for bounds in (inner, outer)]

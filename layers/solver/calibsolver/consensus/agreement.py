@@ -41,7 +41,6 @@ SPREAD_MEMBERS, MAX_SPREAD_RATIO = 2.0, 6.0
 MAX_PULL_SIGMAS = 1.5
 """Standardised distance from the mean beyond which a contributor pulls no harder."""
 MIN_IMAGE_SHARE = 1e-4
-"""Share by which every parameter moves the image at least."""
 MAX_MEAN_ITERATIONS = 20
 MAX_ROUNDS = 12
 MAX_STARTS = 4
@@ -72,11 +71,9 @@ class Estimates:
     @classmethod
     def of(cls, calibrations: Sequence[Calibration], owner: IntArray, reference: Camera) -> "Estimates":
         """Scale the intrinsics of calibrations of one model and image size about a reference camera."""
-        model, k, size = models.get(reference.model), reference.intrinsics, reference.img_size
-        metric = image_error_metric(projection_jacobian_rotation_free(model, k, size, COMPARISON_GRID))
-        scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
-        metric = metric * scale[:, None] * scale + MIN_IMAGE_SHARE * np.eye(len(k))
-        specimens = symmetric_inverse(metric) * (SPECIMEN_SPREAD_WIDTHS * size[0]) ** 2 / len(k)
+        k, width = reference.intrinsics, reference.img_size[0]
+        scale, metric = scaled_metric(reference, MIN_IMAGE_SHARE)
+        specimens = symmetric_inverse(metric) * (SPECIMEN_SPREAD_WIDTHS * width) ** 2 / len(k)
         y = np.array([(c.camera.intrinsics - k) / scale for c in calibrations])
         covariance = np.array([c.covariance / scale[:, None] / scale for c in calibrations])
         unit = np.array([c.information * c.noise**2 * scale[:, None] * scale for c in calibrations])
@@ -104,7 +101,7 @@ class Estimates:
         total[alone] = np.eye(total.shape[1])
         others = symmetric_inverse(total)
         ratio, distance = self._ratios(np.einsum("cpq,cq->cp", others, pull), others)
-        expected = self._expected_distances(distance, members)
+        expected = self._expected_distances(distance, members, part)
         out = np.maximum(ratio / MAX_PREDICTIVE_RATIO, distance / (MAX_DISTANCE_RATIO * expected))
         return np.where(alone, np.inf, out)
 
@@ -125,7 +122,7 @@ class Estimates:
         distance = np.sum(np.einsum("cpq,cp->cq", whitening(total), d) ** 2, axis=1) / d.shape[1]
         return increase / np.maximum(expected, 1e-300), distance
 
-    def _expected_distances(self, distance: Array, members: IntArray) -> Array:
+    def _expected_distances(self, distance: Array, members: IntArray, part: IntArray) -> Array:
         """Expected distance ratio (c,) given the spread of the other members' specimens, at least 1.
 
         Their variance / that of SPECIMEN_SPREAD_WIDTHS counts as far as specimens are part of the covariance.
@@ -138,7 +135,7 @@ class Estimates:
         )
         excess = (distance - (1 - own_share)) * size / SPECIMEN_DIRECTIONS
         excess = np.clip(excess, 0, MAX_SPREAD_RATIO * own_share)
-        numbers, part = np.unique(self.owner[members], return_inverse=True)
+        numbers = np.unique(self.owner[members])
         count = np.bincount(part)
         excess = np.bincount(part, excess[members]) / count
         share = np.bincount(part, own_share[members]) / count
@@ -175,6 +172,18 @@ class Estimates:
             if np.abs(weights - before).max() < 1e-3:
                 break
         return weights
+
+
+def scaled_metric(camera: Camera, least: float) -> tuple[Array, Array]:
+    """Changes (p,) of the intrinsics that move the image by 1 px rms, and the error metric (p, p) over them.
+
+    Every parameter counts as if it moved the image by at least the share `least`.
+    """
+    model, k = models.get(camera.model), camera.intrinsics
+    d = projection_jacobian_rotation_free(model, k, camera.img_size, COMPARISON_GRID)
+    metric = image_error_metric(d)
+    scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
+    return scale, metric * scale[:, None] * scale + least * np.eye(len(k))
 
 
 def split_into_groups(estimates: Estimates, weights: Array) -> list[list[int]]:

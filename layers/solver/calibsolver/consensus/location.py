@@ -22,9 +22,8 @@ from ..fitting.levenberg_marquardt import residual_rows
 from ..fitting.normal_equations import residual_jacobian
 from ..fitting.observations import Observations
 from ..fitting.resection import MIN_POSE_POINTS
-from ..fitting.uncertainty import image_error_metric, projection_jacobian_rotation_free
 from ..view import View
-from .agreement import COMPARISON_GRID
+from .agreement import scaled_metric
 
 MIN_SPREAD_WIDTHS = 0.42 / 1280
 """Standard deviation between specimens, rms over the image / image width: 0.1 % of the focal length."""
@@ -33,8 +32,7 @@ HUBER_WIDTHS = 0.75 / 1280
 no harder: 0.18 % of the focal length. Specimens of one product differ by 0.1 to 0.4 %."""
 MAX_IRLS_ITERATIONS = 100
 IRLS_TOLERANCE_PX = 1e-5
-MIN_METRIC = 1e-6
-"""Share by which every parameter moves the image at least: the metric must not be singular."""
+MIN_IMAGE_SHARE = 1e-6
 MAX_VIEW_POINTS = 150
 MAX_LINEARIZATIONS = 5
 STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
@@ -101,11 +99,7 @@ class Contributions:
         self.huber_px = HUBER_WIDTHS * width
         self.owner = number_owners([f.member.contributor for f in fitted])
         k = camera.intrinsics
-        d = projection_jacobian_rotation_free(self.model, k, camera.img_size, COMPARISON_GRID)
-        metric = image_error_metric(d)
-        self.scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
-        """(p,) change of each parameter that moves the image by 1 px rms."""
-        self.metric: Array = metric * self.scale[:, None] * self.scale + MIN_METRIC * np.eye(len(k))
+        self.scale, self.metric = scaled_metric(camera, MIN_IMAGE_SHARE)
         self.between = self.metric / (MIN_SPREAD_WIDTHS * width) ** 2
         with np.errstate(all="ignore"):  # calibrations that do not belong here
             linear = [self._linearize(f) for f in fitted]

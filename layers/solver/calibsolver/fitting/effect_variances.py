@@ -103,14 +103,12 @@ def _variances(excess: tuple[float, float], one: float, cross: float, other: flo
 
 @dataclass(frozen=True, eq=False)
 class EffectLikelihood:
-    """Variance of motion by restricted likelihood (REML.
+    """Variance of motion, and shares of both effects, by restricted likelihood.
 
-    Patterson & Thompson 1971), and shares of both effects.
-
-    Few views determine the moments poorly, which depend mostly on the directions in which an effect moves the
-    corners farthest. The likelihood weighs all directions by their information, but takes every misfit of the
-    lens for motion, on real sets for five times the variance of the moments. So it counts only if the effect
-    explains more of the residuals' variance than it leaves.
+    REML (Patterson & Thompson 1971) weighs all directions by their information; the moments of few views
+    depend mostly on the directions in which an effect moves the corners farthest. But it takes every misfit
+    of the lens for motion, on real sets for five times the variance of the moments. So it counts only if the
+    effect explains more of the residuals' variance than it leaves.
 
     Attributes
     ----------
