@@ -43,9 +43,8 @@ def symmetric_inverse(a: Array) -> Array:
 def whitening(a: Array) -> Array:
     """Matrices T (..., p, p) with T'AT = 1 for positive definite A; TT' is the inverse of A.
 
-    The matrix is brought to a unit diagonal first, because its entries may differ by many powers of ten.
-    Directions that are rounding, of either sign, count as known `INDISTINCT` worse than the best. NaN if the
-    matrix is not finite.
+    At a unit diagonal, because entries may differ by many powers of ten; directions that are rounding count
+    as known `INDISTINCT` worse than the best. NaN if the matrix is not finite.
     """
     scale = 1 / np.sqrt(np.maximum(np.diagonal(a, axis1=-2, axis2=-1), 1e-300))
     unit = a * scale[..., :, None] * scale[..., None, :]

@@ -35,17 +35,16 @@ class Board:
     Frame: x right, y down, z away from the viewer; a board that faces the camera upright has rotation 0.
     Corner id = row * (squares_x - 1) + column lies at (column + 1, row + 1, 0), as in OpenCV.
 
-    An AprilGrid is numbered as by Kalibr: tags row by row from the lower left one, id = 4 * tag + corner,
-    corners anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
+    AprilGrid, as Kalibr: tags row by row from the lower left one, id = 4 * tag + corner, corners
+    anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
 
-    A grid of circles has its circles as corners, row by row from the upper left, circle 0 at (1, 1). The unit
-    is the distance between rows. In an asymmetric grid, as in OpenCV, the circles of a row are two units
-    apart, and odd rows are shifted by one.
+    Circles: row by row from the upper left, circle 0 at (1, 1), the unit is the distance between rows. In an
+    asymmetric grid the circles of a row are two units apart, and odd rows are shifted by one.
 
     Attributes
     ----------
     squares
-        (columns, rows), 3 to 64 each; of an AprilGrid its tags, 1 to 64 each, of circles 2 to 64 each.
+        (columns, rows), 3 to 64 each; tags, 1 to 64, or circles, 2 to 64.
     marker_ratio
         Side of a marker / side of a square, inside (0, 1).
     dictionary
@@ -59,7 +58,7 @@ class Board:
     tag_spacing
         Gap between the tags of an AprilGrid / side of a tag.
     surface
-        ``screen`` if a screen shows the board, which is flat then: its views have no shape.
+        ``screen`` if a screen shows the board, which is flat then.
 
     Raises ValueError for a board that cannot exist.
     """
@@ -177,8 +176,8 @@ class Board:
     def support(self) -> Array:
         """Points that a camera must see for a detector to find each corner, (n, g, m, 3), board units.
 
-        All m of one of g groups suffice: the corners of either marker next to a corner of a ChArUco board,
-        those of the tag on an AprilGrid, the ends of a circle, and a chessboard's corner itself.
+        All m of one of g groups suffice: the corners of a marker next to the corner, those of the tag, the
+        ends of a circle, or a chessboard's corner itself.
         """
         points = self.points[:, None, None]
         if self.kind == "aprilgrid":

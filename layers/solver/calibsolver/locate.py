@@ -30,9 +30,9 @@ class BoardPose:
         (6, 6) of a small turn of the board in the camera frame, radians (R becomes exp(w) R), and of t, by
         the noise of the corners and the covariance of the camera.
     rms
-        px, root of the (weighted) mean square distance between the points and their projections.
+        px, root of the (weighted) mean square distance.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
+        px, standard deviation of one coordinate of a corner, of mean weight.
     """
 
     rvec: Array
@@ -65,10 +65,9 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
     view
         At least six points, not all on a line.
     noise
-        px, standard deviation of one coordinate of a corner, where it is known; else it is estimated from
-        the residuals, and from the noise of the calibration.
+        px of one coordinate of a corner; None: estimated from the residuals and the noise of the calibration.
 
-    Raises CalibrationError ``too_few_points``, or ``not_believable`` where no pose explains the view.
+    Raises CalibrationError ``too_few_points``, or ``not_believable`` if no pose explains the view.
     """
     if len(view) < MIN_POINTS:
         raise CalibrationError("too_few_points", f"a pose needs {MIN_POINTS} points, not {len(view)}")

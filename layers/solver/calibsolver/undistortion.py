@@ -17,18 +17,11 @@ HALVINGS = 40
 
 
 def new_camera_matrix(camera: Camera, alpha: float = 0.0, size: Sequence[int] | None = None) -> Array:
-    """Camera matrix (3, 3) of a rectified picture, as cv2.getOptimalNewCameraMatrix scales it.
+    """Camera matrix (3, 3) of a rectified picture of a size, px, as cv2.getOptimalNewCameraMatrix scales it.
 
-    If the model has no ray for the picture's border, the edge of its domain replaces the border.
-
-    Parameters
-    ----------
-    alpha
-        0: every pixel of the rectified picture has a colour; 1: every pixel of the picture is kept.
-    size
-        Width and height of the rectified picture, px; the camera's unless given.
-
-    Raises CalibrationError ``out_of_range`` if alpha lies outside 0 to 1.
+    With `alpha` 0 every pixel of the rectified picture has a colour, with 1 every pixel of the picture is
+    kept. If the model has no ray for the picture's border, the edge of its domain replaces it. Raises
+    CalibrationError ``out_of_range`` if alpha lies outside 0 to 1.
     """
     if not 0 <= alpha <= 1:
         raise CalibrationError("out_of_range", f"alpha lies in 0 to 1, not {alpha}")

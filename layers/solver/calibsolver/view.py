@@ -18,8 +18,7 @@ class View:
     image_points
         (n, 2), px, centre of the top-left pixel at (0, 0).
     weights
-        (n,) relative weights > 0 in `fit` and `locate`: 1 / variance, up to a factor that all views share.
-        One number weighs the whole view; None is 1.
+        (n,) or one number, > 0: 1 / variance, up to a factor that all views share; None is 1.
     flat
         True if the board is known to be as drawn, as on a screen: `fit` then estimates no shape.
 

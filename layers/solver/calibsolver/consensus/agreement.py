@@ -126,8 +126,7 @@ class Estimates:
         """Expected distance ratio (c,) given the spread of the other members' specimens, at least 1.
 
         Their variance / that of SPECIMEN_SPREAD_WIDTHS counts as far as specimens are part of the covariance.
-        The share of the `distance` (c,) that noise explains is taken off. Each contributor counts once, and
-        the median decides: a distant minority is not a spread.
+        Each contributor counts once, and the median decides: a distant minority is not a spread.
         """
         size = self.y.shape[1]
         own_share = (
@@ -255,9 +254,8 @@ def difference(one: Camera, other: Camera) -> float:
 def differences(cameras: Sequence[Camera]) -> Array:
     """Differences (c, c) between projections of cameras of one image size, px rms over the image.
 
-    The rays of the same pixels are aligned by the best rotation (Kabsch 1976), which every pose absorbs. The
-    difference is the remaining angle times the local magnification. Infinite if two cameras share less than
-    half of the image.
+    After the best rotation (Kabsch 1976), which every pose absorbs: the remaining angle times the local
+    magnification. Infinite if two cameras share less than half of the image.
     """
     q = pixel_grid(cameras[0].img_size, COMPARISON_GRID).reshape(2, -1)
     sampled = [_rays(camera, q) for camera in cameras]

@@ -29,10 +29,9 @@ class Comparison:
     error, expected
         px rms of the views under it, and under a camera fitted to them; infinite if it explains none.
     drift
-        px rms over the picture between the projections of the two cameras, the best rotation removed;
-        infinite if they share less than half of the picture.
+        px rms over the picture between the projections of the two cameras, see `difference`.
     drift_uncertainty
-        px rms, standard deviation of the projections of the fit of these views.
+        px rms, standard deviation of the projections of the fit.
     views
         Number of views that count.
     """

@@ -46,7 +46,7 @@ MAX_EXACT_CONTRIBUTORS = 8
 class Member:
     """Views of one calibration of the camera, with the ids of the calibration and of its contributor.
 
-    Contributors of different families may be the same: where they are counted, one family counts.
+    Contributors of different families may be the same: only one family is counted.
     """
 
     id: str
@@ -63,12 +63,10 @@ class Location:
     ----------
     y
         (p,) intrinsics less the reference's, over `Contributions.scale`.
-    numbers
-        (c,) numbers of the contributors that have part in it.
-    weights
-        (c,) Huber weights, at most 1.
+    numbers, weights
+        (c,) contributors that have part in it, and their Huber weights, at most 1.
     deviations
-        (c, p) deviations of the contributors' specimens, as `y`.
+        (c, p) deviations of their specimens, as `y`.
     """
 
     y: Array
@@ -121,8 +119,7 @@ class Contributions:
     def _linearize(self, f: FittedMember) -> tuple[Array, Array, float]:
         """Information (p, p) of a calibration's inliers, poses eliminated, half its descent (p,), and cost.
 
-        The noise is that of the calibration's covariance, at least that of the corners. Of views with many
-        points some suffice, because specimens differ by more than their errors.
+        The noise is that of the calibration's covariance, at least that of the corners.
         """
         pairs = zip(f.member.views, f.calibration.used, strict=True)
         chosen = [thin(view, mask) for view, mask in pairs if mask.sum() >= MIN_POSE_POINTS]
@@ -212,8 +209,7 @@ class Contributions:
     def covariance(self, members: Sequence[int], location: Location) -> Array:
         """Covariance (p, p) of the intrinsics at a location.
 
-        It contains the noise of the corners, and the differences between contributors beyond that noise
-        (method of moments), with contributors as clusters.
+        By the noise of the corners, and the differences between contributors beyond it (method of moments).
         """
         _, s, b = self._by_contributor(members)
         w = location.weights[:, None, None]
@@ -238,8 +234,8 @@ class Contributions:
     def leave_out_influence(self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]) -> float:
         """Largest shift of the location of `group` when one or two contributors are left out, px rms.
 
-        `regroup` decides again which of the remaining calibrations (indices) agree with those of the group.
-        Infinite if no contributor is left. Of many contributors those with most influence are left out.
+        `regroup` decides again which of the remaining calibrations (indices) agree. Infinite if no
+        contributor is left. Of many contributors those with most influence are left out.
         """
         whole = self.locate(group)
         if len(whole.numbers) < 3:

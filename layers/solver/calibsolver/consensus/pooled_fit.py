@@ -64,10 +64,9 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
 
 
 def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:
-    """Rms (m,), px, of each member's views under intrinsics fitted without it; only poses are fitted.
+    """Rms (m,), px, of each member's views under intrinsics fitted without it, from the `pooled` camera.
 
-    In at most FOLDS fits, from the `pooled` camera of all, so that a large group takes no longer. Infinite if
-    the others give no fit.
+    In at most FOLDS fits, so that a large group takes no longer. Infinite if the others give no fit.
     """
     views = [view for f in group for view in f.member.views]
     owner = np.repeat(np.arange(len(group)), [len(f.member.views) for f in group])
@@ -81,7 +80,7 @@ def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array
 
 
 def cross_validate_contributors(group: Sequence[int], of: Contributions) -> Array:
-    """Rms (m,), px, of each member's views under the location of other contributors, in FOLDS parts at most.
+    """Rms (m,), px, of each member's views under the location of other contributors.
 
     Of a single contributor, its calibrations are left out in turn.
     """
@@ -97,7 +96,6 @@ def cross_validate_contributors(group: Sequence[int], of: Contributions) -> Arra
 def _held_out_errors(
     group: Sequence[FittedMember], part: IntArray, fit_without: Callable[[Mask], Camera]
 ) -> Array:
-    """Rms (m,), px, of members, of which every FOLDS-th part is left out in turn."""
     errors = np.full(len(group), np.inf)
     for fold in range(min(FOLDS, int(part.max()) + 1)):
         out = part % FOLDS == fold

@@ -45,8 +45,7 @@ class Rule:
         Minimum numbers in the largest agreeing group.
     min_share
         Share of all calibrations in this group. If contributors are distinguished (`min_contributors` of 2 or
-        more) each of them weighs the same in majorities and in this share, however many calibrations are
-        theirs; and no contributor has more calibrations in the pooled fit than half of the others.
+        more) each of them weighs the same in majorities and in this share.
     max_unexplained
         Rms of a member's views, its poses fitted to the others' intrinsics, above that of its own fit / image
         width.
@@ -83,13 +82,11 @@ class Consensus:
     dropped
         Members that cannot be fitted: id -> code of the `CalibrationError`.
     spread
-        px, root mean square over the image and the group of the differences between the members' own
-        projections and the pooled ones, after the best rotation; NaN of one member.
+        px rms over the image and the group, of the members' own projections from the pooled ones.
     member_errors
-        px rms of the views of each of the group under intrinsics fitted to the others, by id; empty without
-        others.
+        px rms of the views of each of the group under intrinsics fitted to the others, by id.
     held_out_error
-        px, root mean square of those over all points; NaN without others.
+        px rms of those over all points. It and `spread` are NaN of one member.
     """
 
     calibration: Calibration
@@ -254,8 +251,8 @@ def unreliable_reason(
 ) -> UnreliableReason | None:
     """Reason why the group among all `members` is not reliable; None if it is.
 
-    `errors` (m,), px rms of the held-out members, are empty for one member. `is_stable` if no two
-    contributors move the result by more than allowed.
+    `errors` (m,) are px rms of the held-out members, `is_stable` if two contributors move the result by no
+    more than allowed.
     """
     if len(members) < rule.min_calibrations:
         return "too_few"
@@ -283,8 +280,8 @@ def count_contributors(group: Sequence[FittedMember]) -> int:
 def max_influence(contributors: int, spread: float, width: int) -> float:
     """Shift of the answer, px rms, that two of so many contributors may cause.
 
-    If the densest majority, of standard deviation `spread` (px), agrees closely, it determines the camera so
-    well that a larger shift is a mistake, or a lie.
+    If the densest majority, of standard deviation `spread` (px), agrees closely, a larger shift is a mistake,
+    or a lie.
     """
     most = MAX_INFLUENCE_ON_FIVE_WIDTHS if contributors <= 5 else MAX_INFLUENCE_WIDTHS
     return min(max(INFLUENCE_PER_SPREAD * spread, MIN_INFLUENCE_LIMIT_WIDTHS * width), most * width)

@@ -24,7 +24,7 @@ class Approximation:
     poses
         (v, 6) rvec|tvec, board -> camera; NaN of degenerate views.
     noise
-        px, standard deviation of one coordinate of a corner, from the median residual.
+        px per coordinate, from the median residual.
     cut_views
         Reasons why views (by number) are left out: ``degenerate``, ``mirrored``, ``outlier``.
     """

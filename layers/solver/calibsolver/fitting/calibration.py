@@ -32,15 +32,13 @@ class Calibration:
         px, root of the mean square distance over *all* points, as cv2.calibrateCamera reports it, except
         those of degenerate views.
     view_errors
-        (v,) px, the same for each view; NaN of a degenerate one.
+        (v,) px, the same for each view.
     covariance
-        (p, p) of (fx fy cx cy distortion...), from the pull of each view's residuals on the intrinsics
-        (`robust_covariance`), and from other optima that they allow (`focal_profile`).
+        (p, p) of (fx fy cx cy distortion...), see `robust_covariance` and `focal_profile`.
     information
-        (p, p) Fisher information of the intrinsics at white noise of the corners, with the prior. 0 in fixed
-        directions.
+        (p, p) Fisher information of the intrinsics at white noise, with the prior. 0 in fixed directions.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
+        px, standard deviation of one coordinate of a corner, of mean weight.
     inflation
         Variance of the intrinsics / that under white noise of the corners, >= 1.
     residuals
@@ -54,7 +52,7 @@ class Calibration:
     board_shape
         Bend and stretch of the board, which poses and residuals refer to; None: as drawn.
     fixed
-        Names of the parameters that were not estimated (`constraint`).
+        Names of the parameters that were not estimated.
     rivals
         Other models' cameras that explain the views as well (`quality.rivals`); None: not looked for.
     """
@@ -150,9 +148,9 @@ class Calibration:
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).
 
-        At the centre of each cell: root of the trace of the 2x2 covariance of the projection, to first order,
-        with the rotation of the camera frame that fits best over the grid removed. Outside the hull of the
-        corners with the error if a rival is right. NaN outside the model's one-to-one domain.
+        At the centre of each cell: root of the trace of the 2x2 covariance of the projection, with the best
+        rotation of the camera frame over the grid removed. Outside the hull of the corners with the error if
+        a rival is right. NaN outside the model's one-to-one domain.
         """
         model = models.get(self.camera.model)
         d = projection_jacobian_rotation_free(model, self.camera.intrinsics, self.camera.img_size, grid)

@@ -26,7 +26,7 @@ class EffectMoments:
     by_move, by_bend
         Pull on the intrinsics by the motion in each cluster, (c, p, 6), and by the bend of all, (p, 3).
     motion, bend, cross
-        Effects that remain in the residuals: motion (c, 6, 6), bend (3, 3), bend in the motion's (c, 6, 3).
+        Effects that remain in the residuals, (c, 6, 6), (3, 3), and of the bend in the motion's (c, 6, 3).
     of_moves, of_bend
         Products of the residuals with the effects, (c, 6) and (3,).
     z
@@ -127,7 +127,7 @@ class EffectLikelihood:
         """Evaluate the likelihood on the grid `MOTIONS`, intrinsics and bend free; None: no information.
 
         `gram` (c, 10, 10) are Gram matrices of effects and residuals of the clusters, px^2, `pull` (c, p, 10)
-        of these with the whitened intrinsics: over all clusters and the prior their information is 1.
+        of these with the whitened intrinsics.
         """
         size, effects = pull.shape[1], [*range(BEND_SIZE), EFFECTS_SIZE]
         moves = slice(BEND_SIZE, EFFECTS_SIZE)

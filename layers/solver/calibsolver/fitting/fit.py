@@ -179,9 +179,8 @@ class _Fit:
     def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        What the shape explains is not an outlier. A stretch that no printer causes is left to the camera.
-        None if there are too few views, or if a shape would explain no more than chance or leave an
-        implausible camera.
+        What the shape explains is not an outlier. None if there are too few views, or if a shape would
+        explain no more than chance or leave an implausible camera.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
@@ -215,8 +214,7 @@ class _Fit:
     def _settle(self, state: State) -> tuple[State, Mask]:
         """State near the optimum, and the points (v, n) that take part.
 
-        Gross outliers go first, the rest is tested against fits that exclude them, and points that hardly
-        spoil the fit are taken back.
+        Points that hardly spoil the fit are taken back.
         """
         state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
         if outliers.concentrate_at_rim(self.problem, inliers, self.mask):
@@ -319,8 +317,8 @@ class _Fit:
     ) -> "_Found":
         """Check and describe the fit: errors over all points, covariance from the good ones (v, n).
 
-        If the board's shape was fitted (`mixed`), the state contains it. With `with_prior` the information of
-        the prior is added. Raises CalibrationError ``not_converged`` or ``not_believable``.
+        The state contains the board's shape if it was fitted (`mixed`). Raises CalibrationError
+        ``not_converged`` or ``not_believable``.
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")

@@ -84,8 +84,7 @@ class Homographies:
     def focal_from_vanishing_points(self) -> float:
         """Factor for `with_focal_scale` that makes the first two columns orthogonal, of one length.
 
-        Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre); NaN if
-        all planes face the camera.
+        Zhang 2000, with square pixels and a known centre; NaN if all planes face the camera.
         """
         (x1, y1, z1), (x2, y2, z2) = self.h[:, :, 0].T, self.h[:, :, 1].T
         image = np.concatenate([x1 * x2 + y1 * y2, (x1 * x1 + y1 * y1 - x2 * x2 - y2 * y2) / 2])
@@ -97,7 +96,7 @@ class Homographies:
 def smallest_eigenvectors(m: Array) -> Array:
     """Unit eigenvectors (v, p) of the smallest eigenvalues of positive semidefinite matrices (v, p, p).
 
-    By inverse iteration, in half the time of all eigenvectors; approximate where two eigenvalues are near.
+    By inverse iteration, which is fast, and approximate where two eigenvalues are near.
     """
     size = m.shape[-1]
     shifted = m / (np.trace(m, axis1=1, axis2=2)[:, None, None] + 1e-300)

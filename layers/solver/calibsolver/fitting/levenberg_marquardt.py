@@ -80,8 +80,6 @@ class State:
 
     Attributes
     ----------
-    k, poses
-        Intrinsics (p,) and poses.
     rows
         (a + 7, 2, v, n): the Jacobian by the free intrinsics and the pose; the last row is the residuals, px.
     square
@@ -136,20 +134,13 @@ class Objective:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Undamped step, by which the next one is corrected.
+    """Undamped step (a,) and (v, 6), by which the next one is corrected.
 
     Gauss-Newton's normal equations lack the curvature of the residuals, and reweighting that of Huber's
-    function. So near the optimum each step errs by the same share as the one before. The gradients before and
-    after a step give the true curvature along it (the secant equation).
+    function. So near the optimum each step errs by the same share as the one before, and the gradients before
+    and after a step give the true curvature along it (the secant equation).
 
-    Attributes
-    ----------
-    da, dp
-        Steps (a,) and (v, 6).
-    predicted
-        Decrease of the cost that it predicts.
-    slope, curvature
-        Halves of the first and second derivative of the predicted cost along it.
+    `slope` and `curvature` are halves of the first and second derivative of the predicted cost along it.
     """
 
     da: Array
@@ -390,9 +381,9 @@ class Problem(LeastSquares):
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Change intrinsics and poses along the curve that keeps the picture.
 
-        A longer focal length moves the boards away and leaves each coefficient's effect in px: the long
-        valley between focal length, distortion and distance is then nearly straight. The focal length is that
-        at the axis (`Model.focal`). A constraint is kept by straight steps.
+        A longer focal length moves the boards away and leaves each coefficient's effect in px: the valley
+        between focal length, distortion and distance is then nearly straight. A constraint is kept by
+        straight steps.
         """
         change = da if self.basis is None else self.basis @ da
         if self.origin is not None:

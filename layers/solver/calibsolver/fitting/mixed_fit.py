@@ -47,12 +47,9 @@ class ShapedProblem(LeastSquares):
     ----------
     obs, drawn
         Observations and problem of the board as drawn.
-    frame
-        Shape of which the parameters are estimated.
-    displacements
-        (SHAPE_SIZE, v, 3, n) derivatives of the points by them.
-    variances
-        Of the noise, which weighs the priors, and of the shape.
+    frame, displacements
+        Shape of which the parameters are estimated, and (SHAPE_SIZE, v, 3, n) derivatives of the points by
+        them.
     """
 
     obs: Observations
@@ -154,8 +151,6 @@ class MixedFit:
         (v,) clusters of views in nearly the same pose.
     begun
         Variances from which others are learnt.
-    max_stretch
-        Standard deviation of stretch at most.
     """
 
     problem: ShapedProblem
@@ -243,14 +238,8 @@ class MixedFit:
     ) -> Result:
         """Covariance of k at the optimum of the good points (v, n), with the motion that the residuals show.
 
-        Parameters
-        ----------
-        sigma
-            px, noise of a coordinate there, with motion.
-        mask
-            (v, n) points that may show motion: those that were cut, but motion explains, moved farthest.
-        metric
-            (p, p) of the purpose of the covariance, without the shape; None: the corners.
+        `sigma` is the noise of a coordinate, px, with motion. Points in the `mask` (v, n) that motion
+        explains count. A `metric` (p, p), without the shape, replaces the one at the corners.
         """
         noise2, effects = sigma**2, self._motion(state)
         if metric is not None:

@@ -56,16 +56,9 @@ class Variances:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Solution at given variances.
+    """Step `one` (g + 1,) of x, then 1; variances of motion given the rest (c MOTION_SIZE,), at unit noise.
 
-    Attributes
-    ----------
-    one
-        (g + 1,) step of x, then 1.
-    weights
-        (c MOTION_SIZE,) variances of motion given the rest, at unit noise.
-    variances
-        After one more step of the maximization.
+    Also the variances after one more step of the maximization.
     """
 
     one: Array
@@ -88,7 +81,7 @@ class MixedModel:
     shape
         (SHAPE_SIZE,) shape so far, the first of x.
     floor
-        Least variance of the noise, px^2: rounding.
+        Least variance of the noise, px^2.
     expected_motion
         Prior of the variance of motion.
     max_stretch
@@ -233,8 +226,8 @@ def remainder(change: float, previous: float) -> float:
 def trusted_motion(v: Variances, noise2: float) -> float:
     """Variance of motion that counts, of residuals of variance `noise2` (px^2).
 
-    The likelihood takes every misfit of the lens for motion in the directions that move the corners least. So
-    more than a hand's counts only from half of the residuals explained on, in full from two thirds on.
+    The likelihood takes misfit of the lens for motion. So more than a hand's counts only from half of the
+    residuals explained on, in full from two thirds on.
     """
     usual = min(v.motion, FIRST_MOTION)
     return usual + trust(1 - v.noise2 / noise2) * (v.motion - usual)

@@ -32,7 +32,7 @@ class MultiStart:
     """Several starts of one fit, the best of which is followed.
 
     `mask` (v, n) are points that may take part, `known` is a camera that may be near. If `rejection_follows`,
-    a single optimum is not refitted without gross outliers.
+    a single optimum keeps its gross outliers.
     """
 
     problem: Problem
@@ -72,8 +72,8 @@ class MultiStart:
     def rank_optima(self, trial: Problem, mask: Mask) -> list[State]:
         """Rank the optima that the starts lead to, the best first.
 
-        The search stops at an optimum within the prior, or when a second start leads to the best one. The
-        `known` camera does not count as one of the two: the result must not depend on it.
+        The search stops at an optimum within the prior, or when a second start leads to the best one, except
+        the `known` camera: the result must not depend on it.
         """
         found: list[State] = []
         repeats = 2 if self.known is None else 3
@@ -154,8 +154,7 @@ def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iter
 def reinitialize_outlying_poses(problem: Problem, state: State, good: Mask, mask: Mask) -> State:
     """Reinitialize the poses of views that fit badly from the LMedS inliers among their points.
 
-    Robust weights do not recover a view in which a row of corners has wrong names: to fit all points a little
-    costs less than to miss some by far.
+    Robust weights do not recover a view in which a row of corners has wrong names.
     """
     for _ in range(MAX_REINITIALIZATIONS):
         bad = outliers.views_beyond_threshold(state, mask)

@@ -146,8 +146,8 @@ class Projection:
 
         Of points `used` (v, n), or all.
 
-        A - BX is formed before its products are taken: so the rounding of X enters these by its square, and
-        nearly collinear parameters lose nothing by cancellation.
+        A - BX is formed before its products are taken, so that nearly collinear parameters lose nothing by
+        cancellation.
         """
         flat = by_views(rows, used)
         size = flat.shape[1] - POSE_SIZE
@@ -162,8 +162,7 @@ class Projection:
 def products_of_rows(a: Array) -> Array:
     """Products (v, m, m) of the rows of matrices (v, m, n) with one another.
 
-    For a matrix times its own transpose numpy calls a BLAS routine that is slow on small matrices; it does
-    not recognize a copy.
+    Of a copy, because BLAS has a slow routine for a matrix times its own transpose.
     """
     return a @ a.copy().transpose(0, 2, 1)
 
@@ -245,7 +244,7 @@ class System:
     h_pp
         Poses, (v, 6, 6).
     h_pc
-        Poses by intrinsics, and in the last column half the gradient of the poses, (v, 6, a + 1).
+        Poses by intrinsics, then half the gradient of the poses, (v, 6, a + 1).
     scale_c, scale_p
         Factors from scaled to true unknowns, (a,) and (v, 6).
     """

@@ -35,9 +35,9 @@ LEAST_SQUARES = Options(tolerance=1e-7, one_step=True)
 def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask, bool]:
     """Fit without gross outliers, from a state near the optimum, and its inlier mask (v, n).
 
-    The first mask is that of the robust optimum over the points `mask` of all views that are near now, each
-    other that of the least-squares fit to the one before, until two are equal. The last part of the result is
-    True if the state is the least-squares fit to exactly the inliers.
+    The first mask is that of the robust optimum, each other that of the least-squares fit to the one before,
+    until two are equal. The last part of the result is True if the state is the least-squares fit to exactly
+    the inliers.
     """
 
     def inliers() -> Mask:
@@ -90,7 +90,7 @@ def trimmed_rms(state: State, mask: Mask) -> float:
 def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]:
     """Rank states: the likeliest first, with the prior; those that fold the views last.
 
-    The same limit bounds the distance of a point in all: else a state might win by what it does not explain.
+    The distance of a point is bounded: else a state might win by what it does not explain.
     """
     if len(states) == 1:
         return list(states)
@@ -118,8 +118,7 @@ def unit_weights(good: Mask) -> Array:
 def concentrate_at_rim(problem: Problem, good: Mask, among: Mask) -> bool:
     """True if the outliers `among` some points (v, n) concentrate at the rim of the image.
 
-    Corners that were found badly lie anywhere. At the rim it may be the model that fails, unseen without
-    these points.
+    There it may be the model that fails, unseen without these points.
     """
     if np.array_equal(good, among):
         return False

@@ -30,12 +30,11 @@ class ReprojectionScore:
 
     Attributes
     ----------
-    rms
-        px, root of the mean square distance over all points; infinite if a view cannot be explained at all.
-    view_errors
-        (v,) px, the same for each view.
+    rms, view_errors
+        px, root of the mean square distance over all points, and of each view (v,); infinite if a view cannot
+        be explained.
     poses
-        (v, 6) rvec|tvec, board -> camera, board units; NaN if a view cannot be explained at all.
+        (v, 6) rvec|tvec, board -> camera, board units; NaN if a view cannot be explained.
     """
 
     rms: float
@@ -66,9 +65,8 @@ def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionSco
 def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
     """Fit the pose of every view under intrinsics k (p,): poses, and summed squared distances (v,) px^2.
 
-    Levenberg-Marquardt from the linear solution. Nothing couples the views: each has its own damping and
-    accept test, so one that no pose explains does not stop the others. The sum is infinite if the camera
-    cannot see a view.
+    Levenberg-Marquardt from the linear solution, with a damping and an accept test for each view. The sum is
+    infinite if the camera cannot see a view.
     """
     with np.errstate(all="ignore"):  # views that these intrinsics cannot explain run away
         poses = initial_guess.at(model, obs, k).poses

@@ -62,9 +62,10 @@ class Rivals:
     def square_error(self, camera: Camera, grid: tuple[int, int]) -> Array:
         """Largest square error (rows * columns,) px^2 of a camera, if a rival is right, at grid cells.
 
-        Its square distance from the rival's projections, and the variance of these. 0 in the hull. A turn of
-        the camera that makes both alike in the hull is no difference (Kabsch 1976). Rivals do not count where
-        they have no picture.
+        0 in the hull.
+
+        The square distance from the rival's projections after the turn that makes both alike in the hull
+        (Kabsch 1976), and their variance. Rivals do not count where they have no picture.
         """
         q = pixel_grid(camera.img_size, grid).reshape(2, -1)
         inside = self.hull.contains(q.T)

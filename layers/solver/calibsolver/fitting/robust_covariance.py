@@ -62,8 +62,7 @@ class Evidence:
     Attributes
     ----------
     gram
-        (c, p + e + 1, ...) Gram matrices of the derivatives by intrinsics and systematic effects, and of the
-        residuals, px^2.
+        (c, p + e + 1, ...) Gram matrices of intrinsics, systematic effects and residuals, px^2.
     metric
         (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the best
         rotation of the camera frame removed, px^2.
@@ -148,8 +147,7 @@ def _sum_by(values: Array, labels: IntArray) -> Array:
 def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
     """Gram matrix (p + 3, p + 3) by intrinsics and a turn about the camera's centre, summed over the views.
 
-    `left` (v, p, p): Gram matrices of the intrinsics' part that the poses leave; `t` (v, 3): places of the
-    boards.
+    `left` (v, p, p): what the poses leave of the intrinsics' part; `t` (v, 3): places of the boards.
     """
     size = left.shape[1]
     by_pose = projection.by_pose[:, :, :size]
@@ -175,14 +173,9 @@ def _observed_error_metric(turned: Array, points: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Covariance (p, p) of the intrinsics.
+    """Covariance (p, p) of the intrinsics, and information (p, p), the inverse at white noise of the corners.
 
-    Attributes
-    ----------
-    information
-        (p, p) Fisher information, the inverse of the covariance that white noise of the corners would give.
-    inflation
-        Variance of projections / that which white noise would give, >= 1.
+    `inflation`: variance of projections / that at white noise, >= 1.
     """
 
     covariance: Array
@@ -237,10 +230,10 @@ def _whitened(gram: Array, size: int, prior_information: Array | None) -> tuple[
 
 
 def scatter_inflation(w: Array, b: Array, working: Array, h: Array) -> float:
-    """Inflation by what is neither noise nor motion.
+    """Inflation by what is neither noise nor motion, of whitened matrices at unit noise.
 
     Metric (p, p), information (c, p, p), covariance of the gradients before the fit took its part (c, p, p),
-    and gradients (c, p) are whitened, at unit noise.
+    and gradients (c, p).
     """
     taken = b @ working
     q = working - taken - taken.transpose(0, 2, 1) + b @ working.sum(axis=0) @ b

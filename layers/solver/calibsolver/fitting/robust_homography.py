@@ -22,11 +22,10 @@ INLIER_LMEDS_MEDIANS = 3.0
 def fit_homographies_lmeds(
     points: Array, rays: Array, mask: Mask, allowed: float = MAX_CURVATURE
 ) -> tuple[Homographies, Array]:
-    """Homographies of views (v) through all points, or through the inliers if that is much better.
+    """Homographies of views (v) through all points in the mask (v, n), or the inliers if that is much better.
 
-    Also returns the weights (v, n), 0 or 1, of the points that they go through. `points` and unit `rays` are
-    (v, 3, n), rays may be NaN, and points in the `mask` (v, n) count. All points of a view are trusted up to
-    a median error / extent that is `allowed`.
+    Also returns the weights (v, n), 0 or 1, of these points. `points` and unit `rays` are (v, 3, n), rays may
+    be NaN. All points of a view are trusted up to a median error / extent that is `allowed`.
     """
     usable = mask & np.isfinite(rays[:, 0])
     if not usable.all():

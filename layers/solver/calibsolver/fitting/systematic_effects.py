@@ -70,15 +70,9 @@ def explained_points(
 ) -> Mask:
     """Good points (v, n), and others `among` some that effects on their view explain: no wrong corners.
 
-    Pose and effects are fitted to the good points of each view, and predict the others, up to the `limit`,
-    px.
-
-    Parameters
-    ----------
-    rows, effects
-        (... + 7, 2, v, n) with the derivatives by the pose and the residuals last, and `displacements`.
-    sigma
-        px, noise of a coordinate.
+    Pose and `effects` (EFFECTS_SIZE, 2, v, n) are fitted to the good points of each view, and predict the
+    others, up to the `limit`, px. `rows` (... + 7, 2, v, n) end with the derivatives by the pose and the
+    residuals, of noise `sigma`, px.
     """
     cut = (among & ~good).any(axis=1)
     if not cut.all():  # only views that lost points have any to regain

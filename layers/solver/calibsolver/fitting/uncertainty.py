@@ -21,15 +21,7 @@ ANGLE_STEPS = 256
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Predicted error of a projection over a grid of the image.
-
-    Attributes
-    ----------
-    rms, max
-        px, root mean square and maximum where the model has a ray.
-    coverage
-        Share of the image for which they stand.
-    """
+    """Predicted error of a projection, px rms and maximum, and the share of the image that has rays."""
 
     rms: float
     max: float
@@ -43,8 +35,8 @@ def projection_jacobian_rotation_free(
 
     N = columns * rows.
 
-    Rows are NaN if the pixel has no ray: outside the model's one-to-one domain, or beyond
-    `determined_half_angle`; and if it is not `among` (n,) the pixels.
+    NaN outside the model's one-to-one domain, beyond `determined_half_angle`, and if not `among` (n,) the
+    pixels.
     """
     v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
     out = np.full((v.shape[1], 2, model.size), np.nan)
@@ -69,8 +61,8 @@ def projection_jacobian_rotation_free(
 def determined_half_angle(model: Model, k: Array, largest: float) -> float:
     """Angle from the axis, up to the `largest`, at which the radial magnification falls below MIN_STRETCH.
 
-    Infinite if it does not. There the domain ends in some fits of a lens and not in others: its rim would let
-    the error jump from one view to the next.
+    Infinite if it does not. The domain ends there in some fits of a lens and not in others: the error would
+    jump.
     """
     angle = np.linspace(0, largest, ANGLE_STEPS)
     ray = np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)])

@@ -112,17 +112,13 @@ def flatness(points: Array, mask: Mask) -> Array:
 def handedness(obs: Observations) -> Array:
     """Determinant (v,) of the best affine map from board to image: negative if mirrored.
 
-    A homography's has the same sign if the whole board is in front of the camera, but this one stays defined
-    under strong distortion.
+    Unlike that of a homography it stays defined under strong distortion.
     """
     m = subtract_mean(obs.points[:, :2], obs.mask) @ obs.pixels.transpose(0, 2, 1)
     return m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] * m[:, 1, 0]
 
 
 def mirrored_views(obs: Observations) -> Mask:
-    """Views (v,) that show the board mirrored, unlike most.
-
-    The direction of the board's z, to its back or its front, is a convention, the same for all views.
-    """
+    """Views (v,) that show the board mirrored, unlike most: the direction of z is a convention."""
     mirrored: Mask = handedness(obs) < 0
     return ~mirrored if mirrored.mean() > 0.5 else mirrored

@@ -27,8 +27,7 @@ class Coefficient:
         Power of the squared image radius (in focal lengths) that it multiplies; 0: the belief does not depend
         on it.
     edge
-        Standard deviation of its effect at the corner of the image / distance of the corner from the centre,
-        whatever the focal length: wide lenses have small coefficients.
+        Standard deviation of its effect at the corner of the image / distance of the corner from the centre.
     sign
         Sign of its effect: -1 in a denominator.
     mean

@@ -17,8 +17,7 @@ from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
 def _linear_forms() -> Array:
     """Matrix (48, 6) from (1, k1, k2, p1, p2, k3) to the coefficients of 1, x, y, s, s^2, s^3 in eight forms.
 
-    The forms: a = g + 2 (p2 x + p1 y); 2 dg/ds; p2 s and p1 s; then a + 4 p2 x, 2 (p1 x + p2 y), the same
-    again, and a + 4 p1 y.
+    a = g + 2 (p2 x + p1 y); 2 dg/ds; p2 s and p1 s; then a + 4 p2 x, 2 (p1 x + p2 y) twice, and a + 4 p1 y.
     """
     out = np.zeros((8, 6, 6))
     for form in (0, 4, 7):
