@@ -281,6 +281,10 @@ class LeastSquares(ABC):
         """Noise of a coordinate, px, over the points that count (v, n): weight of the prior."""
         return robust_sigma(state, counted)
 
+    def free(self, da: Array) -> Array:
+        """Change (p,) of k by a step (a,) of the free unknowns."""
+        return da
+
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
         """Linearize after steps (a,) and (v, 6); None if there is no image."""
         k, poses = self.retract(state.k, state.poses, da, dp)
@@ -288,7 +292,7 @@ class LeastSquares(ABC):
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Change k (p,) and poses by steps (a,) and (v, 6)."""
-        return k + da, poses.retract(dp)
+        return k + self.free(da), poses.retract(dp)
 
     def _geodesic_acceleration(
         self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
@@ -378,6 +382,10 @@ class Problem(LeastSquares):
         r = self.model.project(k, p) - pixels
         return r if obs.scale is None else r * obs.scale
 
+    def free(self, da: Array) -> Array:
+        """Change (p,) of the intrinsics by a step (a,)."""
+        return da if self.basis is None else self.basis @ da
+
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Change intrinsics and poses along the curve that keeps the picture.
 
@@ -385,9 +393,9 @@ class Problem(LeastSquares):
         between focal length, distortion and distance is then nearly straight. A constraint is kept by
         straight steps.
         """
-        change = da if self.basis is None else self.basis @ da
         if self.origin is not None:
-            return k + change, poses.retract(dp)
+            return super().retract(k, poses, da, dp)
+        change = self.free(da)
         moved, t = k + change, poses.t + dp[:, 3:]
         magnified, by_d = self.model.magnification(k[4:])
         lens = float(by_d @ change[4:]) / magnified

@@ -66,25 +66,15 @@ def test_errors_in_hands_are_predicted(hand: hands.Hand, counts: tuple[int, ...]
 
 
 def test_error_bars_of_a_bent_board_do_not_shrink_with_more_views() -> None:
-    few, many = (
-        fit(
-            populations.views(CAMERA, np.random.default_rng(3), 0.2, count, hands.BENT),
-            CAMERA.img_size,
-            board_shape=False,
-        )
-        for count in (10, 40)
-    )
+    seen = populations.views(CAMERA, np.random.default_rng(3), 0.2, 40, hands.BENT)
+    few, many = (fit(each, CAMERA.img_size, board_shape=False) for each in (seen[:10], seen))
     assert many.uncertainty().rms > 0.7 * few.uncertainty().rms
 
 
 def test_frames_of_one_pose_count_once() -> None:
     once = views(6)
     rng = np.random.default_rng(1)
-    copies = [
-        View(v.object_points, v.image_points + 0.001 * rng.normal(size=(len(v), 2)))
-        for v in once
-        for _ in range(10)
-    ]
+    copies = [View(v.object_points, v.image_points + 0.001 * rng.normal(size=(len(v), 2))) for v in 10 * once]
     one, ten = fit(once, CAMERA.img_size), fit(copies, CAMERA.img_size)
     assert ten.uncertainty().rms > 0.5 * one.uncertainty().rms  # white noise alone: 0.3
     assert ten.inflation > 3 * one.inflation

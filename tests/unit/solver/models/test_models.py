@@ -91,17 +91,6 @@ def test_unknown_model_is_refused_by_name() -> None:
     assert caught.value.code == "unknown_model"
 
 
-def test_camera_survives_its_record() -> None:
-    camera = Camera.from_intrinsics("fisheye", INTRINSICS["fisheye"], (1280, 720))
-    record = {
-        "img_size": [1280, 720],
-        "camera_matrix": camera.matrix.tolist(),
-        "distortion_coefficients": camera.distortion.tolist(),
-        "distortion_model": "fisheye",
-    }
-    np.testing.assert_array_equal(Camera.from_record(record).intrinsics, camera.intrinsics)
-
-
 def test_camera_with_coefficients_of_another_model_is_refused() -> None:
     with pytest.raises(CalibrationError):
         Camera("rectilinear", np.eye(3), np.zeros(4), (1280, 720))
