@@ -147,10 +147,9 @@ class Board:
     def lattice(self) -> IntArray:
         """Ids of the corners in rows and columns, (rows, columns), from the top left as the board is seen."""
         w, h = self.squares
-        if self.kind in CIRCLES:
-            return np.arange(w * h).reshape(h, w)
         if self.kind != "aprilgrid":
-            return np.arange((w - 1) * (h - 1)).reshape(h - 1, w - 1)
+            rows, columns = (h, w) if self.kind in CIRCLES else (h - 1, w - 1)
+            return np.arange(rows * columns).reshape(rows, columns)
         tags = 4 * np.arange(w * h).reshape(h, w)[::-1]
         top, bottom = np.stack([tags + 3, tags + 2], axis=2), np.stack([tags, tags + 1], axis=2)
         return np.stack([top.reshape(h, 2 * w), bottom.reshape(h, 2 * w)], axis=1).reshape(2 * h, 2 * w)
@@ -164,13 +163,10 @@ class Board:
             x = column * (1 + self.tag_spacing) + np.isin(corner, (1, 2))
             y = row * (1 + self.tag_spacing) + np.isin(corner, (2, 3))
             return frozen(np.stack([x, -y, np.zeros(len(x))], axis=1))
-        if self.kind in CIRCLES:
-            row, column = np.divmod(np.arange(self.corner_count), self.squares[0])
-            if self.kind == "asymmetric_circles":
-                column = 2 * column + row % 2
-            return frozen(np.stack([column + 1, row + 1, np.zeros(len(row))], axis=1))
-        row, column = np.divmod(np.arange(self.corner_count), self.squares[0] - 1)
-        return frozen(np.stack([column + 1, row + 1, np.zeros(self.corner_count)], axis=1))
+        row, column = np.indices(self.lattice.shape).reshape(2, -1)
+        if self.kind == "asymmetric_circles":
+            column = 2 * column + row % 2
+        return frozen(np.stack([column + 1, row + 1, np.zeros(len(row))], axis=1))
 
     @cached_property
     def support(self) -> Array:

@@ -89,22 +89,22 @@ class BoardShape:
     @property
     def sag(self) -> float:
         """Largest height over the plane that fits best / longer extent of the corners."""
-        return float(np.abs(self._off_plane @ self.parameters).max())
+        return self._largest(self._off_plane)[0]
 
     @property
     def sag_std(self) -> float:
         """Standard deviation of `sag`."""
-        return self._std(self._off_plane[int(np.argmax(np.abs(self._off_plane @ self.parameters)))])
+        return self._largest(self._off_plane)[1]
 
     @property
     def stretch(self) -> float:
         """Error of the print: the larger of stretch (width against height) and shear, as a share."""
-        return float(np.abs(self._print @ self.parameters).max())
+        return self._largest(self._print)[0]
 
     @property
     def stretch_std(self) -> float:
         """Standard deviation of `stretch`."""
-        return self._std(self._print[int(np.argmax(np.abs(self._print @ self.parameters)))])
+        return self._largest(self._print)[1]
 
     @property
     def stretch_kind(self) -> Literal["wider", "narrower", "skewed"]:
@@ -133,9 +133,12 @@ class BoardShape:
         """Derivatives (2, SHAPE_SIZE) of stretch and shear by the parameters."""
         return np.diag([0.0, 0.0, 0.0, 2.0, 1.0])[BEND_SIZE:]
 
-    def _std(self, gradient: Array) -> float:
+    def _largest(self, gradients: Array) -> tuple[float, float]:
+        """Largest number of these gradients (m, SHAPE_SIZE), and its standard deviation."""
+        numbers = np.abs(gradients @ self.parameters)
+        gradient = gradients[int(np.argmax(numbers))]
         variance = float(gradient @ self.covariance @ gradient)
-        return float(np.sqrt(max(variance, 0.0)))
+        return float(numbers.max()), float(np.sqrt(max(variance, 0.0)))
 
     def displacements(self, points: Array) -> Array:
         """Derivatives (SHAPE_SIZE, 3, ...) of points (3, ...), board frame, by the parameters."""

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import models
-from ..arrays import Array, IntArray, Mask, frozen
+from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..view import View
@@ -184,15 +184,18 @@ class _Fit:
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
-        labels, noise2 = self._labels(state, good), self._sigma(state, good) ** 2
-        begun = MixedFit.begin(self.problem, state, good, labels, noise2)
+        problem = self.problem
+        labels = robust_covariance.same_pose_labels(
+            state.poses, problem.obs, good, problem.focal_widths(state.k)
+        )
+        begun = MixedFit.begin(problem, state, good, labels, self._sigma(state, good) ** 2)
         if begun is None:
             return None
         mixed, shaped = begun
         for _ in range(MAX_MASKS):
             shaped = mixed.solve(shaped, good, REJECTION)
-            taken = outliers.inlier_mask(shaped, self.mask, good, self.problem.width)
-            if outliers.concentrate_at_rim(self.problem, taken, good):
+            taken = outliers.inlier_mask(shaped, self.mask, good, problem.width)
+            if outliers.concentrate_at_rim(problem, taken, good):
                 taken = taken | good
             if np.array_equal(taken, good) or not taken.any():
                 break
@@ -205,11 +208,6 @@ class _Fit:
             return self._result(shaped, good, mixed)
         except CalibrationError:
             return None
-
-    def _labels(self, state: State, good: Mask) -> IntArray:
-        return robust_covariance.same_pose_labels(
-            state.poses, self.problem.obs, good, self.problem.focal_widths(state.k)
-        )
 
     def _settle(self, state: State) -> tuple[State, Mask]:
         """State near the optimum, and the points (v, n) that take part.

@@ -74,13 +74,8 @@ def explained_points(
     others, up to the `limit`, px. `rows` (... + 7, 2, v, n) end with the derivatives by the pose and the
     residuals, of noise `sigma`, px.
     """
-    cut = (among & ~good).any(axis=1)
-    if not cut.all():  # only views that lost points have any to regain
-        explained = good.copy()
-        if cut.any():
-            part = rows[:, :, cut], effects[:, :, cut], good[cut], among[cut]
-            explained[cut] = explained_points(*part, sigma, limit)
-        return explained
+    if not (among & ~good).any():
+        return good
     design = np.concatenate([rows[-POSE_SIZE - 1 : -1], effects, rows[-1:]]).transpose(2, 0, 1, 3)
     flat, fitted = (
         each.reshape(len(each), len(each[0]), -1) for each in (design, design * good[:, None, None])
