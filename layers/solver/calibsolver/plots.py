@@ -64,9 +64,10 @@ def board_poses(axes: Any, calibration: Calibration, views: Sequence[View]) -> N
     for number, (view, pose) in enumerate(zip(views, calibration.poses, strict=True)):
         if not np.isfinite(pose).all():
             continue
-        low, high = view.object_points[:, :2].min(axis=0), view.object_points[:, :2].max(axis=0)
-        corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-        outline = np.column_stack([corners, np.zeros(4)])[[0, 1, 2, 3, 0]]
+        left, top, _ = view.object_points.min(axis=0)
+        right, bottom, _ = view.object_points.max(axis=0)
+        corners = [[left, top, 0], [right, top, 0], [right, bottom, 0], [left, bottom, 0]]
+        outline = np.array([*corners, corners[0]])
         x, y, z = (outline @ rotation.matrix(pose[:3]).T + pose[3:]).T
         axes.plot(x, z, -y, color=f"C{number % 10}", linewidth=0.9)
         depths.append(float(z.max()))

@@ -164,12 +164,13 @@ class Contributions:
         y = np.zeros(len(self.scale))
         known, believed = self.prior
         for _ in range(MAX_IRLS_ITERATIONS):
-            total = s + weights[:, None, None] * self.between
-            gain = weights[:, None, None] * self.between @ symmetric_inverse(total)
+            weighed = weights[:, None, None] * self.between
+            inverse = symmetric_inverse(s + weighed)
+            gain = weighed @ inverse
             pull = np.einsum("cpq,cq->p", gain, b - s @ y) + believed - known @ y
             step = symmetric_inverse(np.sum(gain @ s, axis=0) + known) @ pull
             y = y + step
-            deviations = self._deviations(s, b, y, weights)
+            deviations = np.einsum("cpq,cq->cp", inverse, b - s @ y)
             previous, weights = weights, self.huber_px / np.maximum(self.length(deviations), self.huber_px)
             if self.length(step) < IRLS_TOLERANCE_PX and np.abs(weights - previous).max() < IRLS_TOLERANCE_PX:
                 break
@@ -187,12 +188,6 @@ class Contributions:
         share = np.minimum(1.0, np.sort(precision)[(len(precision) - 1) // 2] / precision)
         s, b = s * share[:, None, None], b * share[:, None]
         return np.asarray(numbers, dtype=np.int64), s, b
-
-    def _deviations(self, s: Array, b: Array, y: Array, weights: Array) -> Array:
-        """Most probable deviations (c, p) of specimens from the location y (p,)."""
-        inverse = symmetric_inverse(s + weights[:, None, None] * self.between)
-        out: Array = np.einsum("cpq,cq->cp", inverse, b - s @ y)
-        return out
 
     def length(self, y: Array) -> Array:
         """Length (...) of scaled intrinsics (..., p): px rms over the image."""

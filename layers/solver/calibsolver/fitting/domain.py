@@ -51,7 +51,7 @@ def log_corner(k: Array, img_size: tuple[int, int]) -> float:
 def log_edge(model: Model, k: Array) -> float:
     """Logarithm of the domain's image radius there; NaN if it has no edge."""
     angle = EDGE * min(model.domain_half_angle(k[4:]), np.pi)
-    rays = np.stack([math.sin(angle) * SIDES[0], math.sin(angle) * SIDES[1], np.full(4, math.cos(angle))])
+    rays = np.stack([*(math.sin(angle) * SIDES), np.full(4, math.cos(angle))])
     with np.errstate(all="ignore"):
         x, y = model.distort(k[4:], rays)
         return float(np.log(np.hypot(x, y).min()))
@@ -78,8 +78,7 @@ class CoveringProblem(Problem):
         over = excess(self.model, k, self.img_size)
         if not over > 0:
             return r, j
-        slope = gradient(self.model, k, self.img_size) / SIGMA
-        slope = slope if self.basis is None else slope @ self.basis
+        slope = gradient(self.model, k, self.img_size) / SIGMA @ self.directions
         return np.append(r, over / SIGMA), np.concatenate([j, slope[None]])
 
 
@@ -94,9 +93,9 @@ def covering(
     over = excess(model, k, size)
     if not over > 0:
         return None
-    basis = np.eye(len(k)) if problem.basis is None else problem.basis
-    along = gradient(model, k, size) @ basis
-    variance = float(along @ symmetric_inverse(basis.T @ found.information @ basis) @ along)
+    free = problem.directions
+    along = gradient(model, k, size) @ free
+    variance = float(along @ symmetric_inverse(free.T @ found.information @ free) @ along)
     if not over**2 < MAX_PREDICTED * variance or found.camera.domain().covered >= MIN_COVERED:
         return None
     wider = CoveringProblem(model, problem.obs, size, problem.basis, problem.origin)

@@ -37,8 +37,8 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
     if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
         return covariance
     # The errors that views share count in the likelihood as in the error bars.
-    basis = np.eye(len(gradient)) if problem.basis is None else problem.basis
-    information, along = basis.T @ found.information @ basis, gradient @ basis
+    free = problem.directions
+    information, along = free.T @ found.information @ free, gradient @ free
     white = along @ symmetric_inverse(information) @ along
     variance = found.noise**2 * max(deviation**2 / float(white), 1.0)
     moments = covariance.copy()
@@ -65,7 +65,7 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
     k = problem.nearest(k)
     poses = Poses(state.poses.r, state.poses.t * (1, 1, factor))  # of the same size in the image
     # All directions but the one in which the focal length grows.
-    free = np.eye(len(k)) if problem.basis is None else problem.basis
+    free = problem.directions
     basis = np.linalg.svd((log_focal_gradient(problem, state) @ free)[None])[2][1:].T
     held = replace(problem, basis=free @ basis)
     best = held.solve(held.at(k, poses), good, HELD)

@@ -347,6 +347,11 @@ class Problem(LeastSquares):
         """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
+    @property
+    def directions(self) -> Array:
+        """Free directions (p, a) of the intrinsics."""
+        return np.eye(self.model.size) if self.basis is None else self.basis
+
     def focal_widths(self, k: Array) -> float:
         """Focal length at the axis along x / image width."""
         return float(self.model.focal(k)[0]) / self.width
