@@ -10,15 +10,7 @@ MAX_FACTOR = 100.0
 
 
 class CalibrationError(Exception):
-    """Reason why there is no calibration.
-
-    Parameters
-    ----------
-    code
-        Short and stable, for programs: ``too_few_points``, ``degenerate``, ``no_fit`` and the like.
-    message
-        One sentence for people.
-    """
+    """Reason why there is no calibration: a stable `code` for programs, and one sentence for people."""
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)

@@ -57,16 +57,10 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Location:
-    """Location of contributors.
+    """Location of contributors: y (p,) intrinsics less the reference's, over `Contributions.scale`.
 
-    Attributes
-    ----------
-    y
-        (p,) intrinsics less the reference's, over `Contributions.scale`.
-    numbers, weights
-        (c,) contributors that have part in it, and their Huber weights, at most 1.
-    deviations
-        (c, p) deviations of their specimens, as `y`.
+    Also numbers (c,) of the contributors that have part in it, their Huber weights (c,), at most 1, and the
+    deviations (c, p) of their specimens, as `y`.
     """
 
     y: Array

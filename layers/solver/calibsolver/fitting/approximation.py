@@ -17,16 +17,9 @@ from .validation import check, degenerate_views, pack
 
 @dataclass(frozen=True, eq=False)
 class Approximation:
-    """Camera near the optimum.
+    """Camera near the optimum, poses (v, 6) rvec|tvec, NaN of degenerate views, and noise, px per coordinate.
 
-    Attributes
-    ----------
-    poses
-        (v, 6) rvec|tvec, board -> camera; NaN of degenerate views.
-    noise
-        px per coordinate, from the median residual.
-    cut_views
-        Reasons why views (by number) are left out: ``degenerate``, ``mirrored``, ``outlier``.
+    `cut_views`: reasons why views (by number) are left out, ``degenerate``, ``mirrored`` or ``outlier``.
     """
 
     camera: Camera

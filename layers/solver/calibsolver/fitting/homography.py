@@ -16,14 +16,9 @@ SQUARINGS = 4
 
 @dataclass(frozen=True, eq=False)
 class Homographies:
-    """Homographies of planes (v): ray ~ h (X, Y, 1), X = (x - mean) / spread.
+    """Homographies of planes: ray ~ h (X, Y, 1), X = (x - mean) / spread.
 
-    Attributes
-    ----------
-    h
-        (v, 3, 3), the mean length of the first two columns 1.
-    mean, spread
-        (v, 2) and (v,)
+    `h` is (v, 3, 3), the mean length of its first two columns 1, `mean` (v, 2), `spread` (v,).
     """
 
     h: Array

@@ -323,12 +323,8 @@ class LeastSquares(ABC):
 class Problem(LeastSquares):
     """A model to be fitted to observations of one camera.
 
-    Attributes
-    ----------
-    basis
-        (p, a): the directions T in which the intrinsics may go, k + T da; None: all are free.
-    origin
-        (p,) intrinsics that satisfy the constraint of the basis; None: every start does.
+    The intrinsics may go in the directions T of the `basis` (p, a), k + T da; None: all are free. `origin`
+    (p,) satisfies the constraint of the basis; None: every start does.
     """
 
     model: Model

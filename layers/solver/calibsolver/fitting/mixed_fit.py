@@ -43,13 +43,8 @@ IN_SHAPE = Options(tolerance=1e-8, one_step=True)
 class ShapedProblem(LeastSquares):
     """Problem of a camera or a rig whose board has a shape: k is that shape (SHAPE_SIZE,), then theirs (p,).
 
-    Attributes
-    ----------
-    obs, drawn
-        Observations and problem of the board as drawn.
-    frame, displacements
-        Shape of which the parameters are estimated, and (SHAPE_SIZE, v, 3, n) derivatives of the points by
-        them.
+    `obs` and `drawn` are of the board as drawn, `frame` is the shape of which the parameters are estimated,
+    with derivatives `displacements` (SHAPE_SIZE, v, 3, n) of the points.
     """
 
     obs: Observations
@@ -143,14 +138,9 @@ class ShapedProblem(LeastSquares):
 
 @dataclass(frozen=True, eq=False)
 class MixedFit:
-    """Fit of a board's shape with the rest.
+    """Fit of a board's shape with the rest, for clusters (v,) of views in nearly the same pose.
 
-    Attributes
-    ----------
-    labels
-        (v,) clusters of views in nearly the same pose.
-    begun
-        Variances from which others are learnt.
+    Variances are learnt from those where it begun.
     """
 
     problem: ShapedProblem

@@ -125,14 +125,8 @@ def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
 class Projection:
     """Rows A of a Jacobian less what changes of the poses, of columns B, explain.
 
-    Attributes
-    ----------
-    left
-        (v, m, 2n) A', less its orthogonal projection onto B.
-    by_pose, pose_gram
-        (v, 6, m) B'A and (v, 6, 6) B'B.
-    solved
-        (v, 6, m) X of B'B X = B'A.
+    `left` (v, m, 2n) is A' less its orthogonal projection onto B, `by_pose` (v, 6, m) B'A, `pose_gram` (v, 6,
+    6) B'B, `solved` (v, 6, m) X of B'B X = B'A.
     """
 
     left: Array

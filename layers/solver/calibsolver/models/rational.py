@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
-from .pinhole import Pinhole
-from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO, Pinhole
 
 ANGLE = (7 / 9, 64 / 945, 10 / 9, 5 / 21)
 """k1 k2 k4 k5 of Pade's approximant of atan(r) / r, to 0.3 % up to 63 degrees."""

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
-from .pinhole import Pinhole
-from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO, Pinhole
 
 
 def _linear_forms() -> Array:
