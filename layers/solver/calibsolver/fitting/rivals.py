@@ -60,12 +60,10 @@ class Rivals:
     hull: Hull
 
     def square_error(self, camera: Camera, grid: tuple[int, int]) -> Array:
-        """Largest square error (rows * columns,) px^2 of a camera, if a rival is right, at grid cells.
-
-        0 in the hull.
+        """Largest square error (rows * columns,) px^2 of a camera, if a rival is right, at cells of a grid.
 
         The square distance from the rival's projections after the turn that makes both alike in the hull
-        (Kabsch 1976), and their variance. Rivals do not count where they have no picture.
+        (Kabsch 1976), and their variance. 0 in the hull, and where rivals have no picture.
         """
         q = pixel_grid(camera.img_size, grid).reshape(2, -1)
         inside = self.hull.contains(q.T)

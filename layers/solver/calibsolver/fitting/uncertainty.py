@@ -31,12 +31,9 @@ class Uncertainty:
 def projection_jacobian_rotation_free(
     model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int], among: Mask | None = None
 ) -> Array:
-    """Derivative (n, 2, p) of projection by intrinsics over a grid, best rotation removed.
+    """Derivative (columns * rows, 2, p) of projection by intrinsics over a grid, best rotation removed.
 
-    N = columns * rows.
-
-    NaN outside the model's one-to-one domain, beyond `determined_half_angle`, and if not `among` (n,) the
-    pixels.
+    NaN outside the model's one-to-one domain, beyond `determined_half_angle`, and if not `among` the pixels.
     """
     v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
     out = np.full((v.shape[1], 2, model.size), np.nan)
