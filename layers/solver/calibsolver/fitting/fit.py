@@ -282,7 +282,7 @@ class _Fit:
             rows, poses = rows[:, :, taken], poses.subset(taken)
             obs, good, mask = obs.subset(np.flatnonzero(taken)), good[taken], mask[taken]
         labels = robust_covariance.same_pose_labels(poses, obs, good, self.problem.focal_widths(state.k))
-        row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
+        row = self.problem.row_positions[taken]
         effects = systematic_effects.displacements(rows[-POSE_SIZE - 1 : -1], poses, obs.points, row)
         evidence = robust_covariance.Evidence.of(rows, effects, poses, labels, used=good)
         limit = outliers.OUTLIER_SIGMAS * sigma
@@ -306,12 +306,7 @@ class _Fit:
         return max(noise, levenberg_marquardt.ROUNDOFF * self.problem.width)
 
     def _result(
-        self,
-        state: State,
-        good: Mask,
-        mixed: MixedFit | None = None,
-        *,
-        with_prior: bool = True,
+        self, state: State, good: Mask, mixed: MixedFit | None = None, *, with_prior: bool = True
     ) -> "_Found":
         """Check and describe the fit: errors over all points, covariance from the good ones (v, n).
 
