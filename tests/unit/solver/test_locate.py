@@ -66,7 +66,7 @@ def mahalanobis(model: str, rng: np.random.Generator, count: int) -> list[float]
 
 @pytest.mark.parametrize("count", [40, *thorough(500)])
 def test_covariance_covers_the_errors_of_simulated_poses(count: int) -> None:
-    """Within three times the Monte Carlo error of a share, of one model and of all four."""
+    """Within three times the Monte Carlo error."""
     rng = np.random.default_rng(45)
     distances = np.array([mahalanobis(model, rng, count) for model in MODELS])
     for limit, share in ((CHI2_68, 0.68), (CHI2_95, 0.95)):

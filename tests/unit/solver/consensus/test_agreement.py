@@ -33,7 +33,7 @@ def test_lying_minority_does_not_move_the_consensus(kind: str, effort: attacks.E
 
 @pytest.mark.parametrize("number", [938, *thorough(810)])
 def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
-    """The two of 1,000 cameras whose lies moved a fit to all points by over half a pixel."""
+    """Of 1,000 cameras those whose lies moved a fit to all points by over half a pixel."""
     rng = np.random.default_rng((7, number))
     found = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)))
     assert not found.wrong

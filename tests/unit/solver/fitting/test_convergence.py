@@ -15,7 +15,7 @@ from tests.helpers import data
 
 
 def test_model_that_is_too_simple_settles_in_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Large residuals make Gauss-Newton slow: without the correction it takes two linearizations more."""
+    """Without the correction of steps it takes two linearizations more."""
     views, img_size = data.corner_views("jy_left")
     obs = Observations.of(views)
     problem = Problem(models.get("rectilinear"), obs, img_size)
@@ -68,7 +68,6 @@ def test_omnidirectional_fit_goes_straight_along_its_valley(monkeypatch: pytest.
 
 @pytest.mark.parametrize("name", ["opencv_left", "opencv_right", "jy_left"])
 def test_sweep_puts_a_near_focal_length_first(name: str) -> None:
-    """By the distance in px: in radians an error is small if the focal length is too short."""
     views, img_size = data.corner_views(name)
     best = focal_sweep(models.get("rectilinear"), Observations.of(views), img_size)[0]
     assert abs(np.log(best.k[0] / fit(views, img_size).camera.focal[0])) < np.log(1.25)

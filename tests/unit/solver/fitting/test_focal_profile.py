@@ -36,7 +36,7 @@ CORNERS = np.stack([*np.meshgrid(np.arange(7.0), np.arange(7.0)), np.zeros((7, 7
 
 
 def test_the_bars_reach_the_other_optimum() -> None:
-    """The cost has two minima 700 px of focal length apart: each is as good a calibration as the other."""
+    """The cost has two minima 700 px of focal length apart."""
     poses = np.array(ALIKE)
     views = [View(CORNERS, DECENTRED.project(CORNERS @ rotation.matrix(p[:3]).T + p[3:])) for p in poses]
     found = fit(views, DECENTRED.img_size, "fisheye")

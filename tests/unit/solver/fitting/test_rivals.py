@@ -18,7 +18,7 @@ GRID = (20, 15)
 
 @pytest.mark.parametrize("name", corner_sets(["opencv_left", "jy_left"]))
 def test_error_outside_the_hull_is_below_the_stated_maximum(name: str) -> None:
-    """Half of the views, against all with the best model: opencv_left 25 px off, the covariance says 2.9."""
+    """Half of the views, against all with the best model."""
     views, size = corner_views(name)
     model = {"opencv_left": "rectilinear", "jy_left": "omnidirectional"}[name]
     best = fit_once(views, size, model).camera

@@ -51,9 +51,9 @@ def test_white_noise_is_hardly_inflated() -> None:
     [(hands.MOVING_AND_BENT, (4, 10), 4), (hands.MOVING, (4, 6), 6), *thorough((hands.BENT, (4, 10), 12))],
 )
 def test_errors_in_hands_are_predicted(hand: hands.Hand, counts: tuple[int, ...], most: int) -> None:
-    """The board bends by 0.5 %, the same in all views, or moves at 5 cm/s. Of true bars one in 20 is above 2.
+    """The board bends by 0.5 %, the same in all views, or moves at 5 cm/s.
 
-    White noise alone predicts half or less of most errors; variances by moments alone leave 6, 19 and 21 %.
+    Of true bars one in 20 is above 2.
     """
     ratios = []
     for count in counts:
@@ -107,7 +107,7 @@ def test_corners_without_noise_have_error_bars() -> None:
 
 
 def test_effects_without_numbers_tell_nothing() -> None:
-    """A board seen edge-on has derivatives that are no numbers; the moments' variances stay then."""
+    """A board seen edge-on has derivatives that are no numbers."""
     gram, pull = np.tile(np.eye(10), (3, 1, 1)) * 100.0, np.zeros((3, 9, 10))
     assert EffectLikelihood.of(gram, pull, 1.0) is not None
     gram[1, 5, 5] = np.nan

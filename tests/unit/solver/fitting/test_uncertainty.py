@@ -22,7 +22,7 @@ def test_predicted_error_matches_the_actual_error() -> None:
 
 
 def test_error_does_not_jump_at_the_edge_of_the_domain() -> None:
-    """Real corners of a fisheye lens whose domain ends inside the image in some fits, and not in others."""
+    """Of a fisheye lens whose domain ends inside the image in some fits only."""
     views, size = corner_views("babel_ov_plane")
     order = np.random.default_rng(3).permutation(len(views))
     stated = [fit([views[i] for i in order[:n]], size, "fisheye").uncertainty().rms for n in range(4, 9)]
