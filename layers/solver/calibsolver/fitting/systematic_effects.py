@@ -43,20 +43,17 @@ def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Ar
     out = np.empty((EFFECTS_SIZE, *by_pose.shape[1:]))
     for i, term in enumerate((across * across, across * down, down * down)):
         np.multiply(by_height, term, out=out[i])
-    _fill_motion(by_pose, half, row, out[BEND_SIZE:])
+    out[BEND_SIZE:] = motion(by_pose, points, row)
     return out
 
 
 def motion(by_pose: Array, points: Array, row: Array) -> Array:
     """Displacements (POSE_SIZE, 2, v, n), px, by a standard deviation of motion; see `displacements`."""
     out = np.empty_like(by_pose)
-    _fill_motion(by_pose, _half_extent(points), row, out)
-    return out
-
-
-def _fill_motion(by_pose: Array, half: float, row: Array, out: Array) -> None:
     np.multiply(by_pose[:3], row * SHUTTER_ROTATION_STD_RAD, out=out[:3])
-    np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[3:])
+    longer = 2 * _half_extent(points)
+    np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * longer), out=out[3:])
+    return out
 
 
 def _half_extent(points: Array) -> float:
