@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, dot
-from . import normal_equations
+from .normal_equations import solve_or_nan
 from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
 
 MIN_DETERMINANT = 1e-9
@@ -81,7 +81,7 @@ class EffectMoments:
             return pull, np.zeros_like(pull[0])
         crossed = self.cross.reshape(-1, BEND_SIZE)
         observed = s * self.bend @ self.bend + self.bend + m * (crossed.T @ crossed)
-        gain = s * normal_equations.solve_or_nan(observed, self.bend)
+        gain = s * solve_or_nan(observed, self.bend)
         mean = gain.T @ self.of_bend
         second = np.outer(mean, mean) + s * (np.eye(BEND_SIZE) - gain.T @ self.bend)
         bent = self.by_bend @ (second + second.T) / 2 @ self.by_bend.T

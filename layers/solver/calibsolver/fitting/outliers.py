@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array, IntArray, Mask
-from . import levenberg_marquardt, plausibility
-from .levenberg_marquardt import Options, Problem, State
+from . import plausibility
+from .levenberg_marquardt import NOISE_FLOOR, Options, Problem, State, robust_sigma
 from .robust_homography import medians
 from .validation import MIN_POINTS
 
@@ -70,7 +70,7 @@ def inlier_mask(state: State, mask: Mask, among: Mask, width: int, sigmas: float
 def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int) -> Mask:
     """Mask (v, n) of the points within so many `sigmas`; `mask` itself if all are."""
     # Next to a view with unusually low noise, a view with usual noise is not an outlier.
-    sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * width)
+    sigma = max(robust_sigma(state, among), NOISE_FLOOR * width)
     if not np.where(mask, state.square, 0.0).max() > (sigmas * sigma) ** 2:
         return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
@@ -106,7 +106,7 @@ def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[S
 
 def views_beyond_threshold(state: State, mask: Mask) -> IntArray:
     """Views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
-    sigma = levenberg_marquardt.robust_sigma(state, mask)
+    sigma = robust_sigma(state, mask)
     return np.flatnonzero((medians(state.square, mask) > (OUTLIER_SIGMAS * sigma) ** 2) & mask.any(axis=1))
 
 

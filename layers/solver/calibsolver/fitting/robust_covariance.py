@@ -34,9 +34,15 @@ import numpy as np
 
 from .. import rotation
 from ..arrays import Array, IntArray, Mask, dot, whitening
-from . import normal_equations
 from .effect_variances import EffectLikelihood, EffectMoments, trust
-from .normal_equations import POSE_SIZE, Poses, Projection
+from .normal_equations import (
+    POSE_SIZE,
+    Poses,
+    Projection,
+    products_of_rows,
+    projected_gram_matrices,
+    solve_or_nan,
+)
 from .observations import Observations
 
 PRIOR_INFLATION_FREEDOM = 30.0
@@ -94,7 +100,7 @@ class Evidence:
         gram, turned = np.empty((views, columns, columns)), np.zeros((size + 3, size + 3))
         for block, parts, counted in _blocks(rows, effects, used):
             projection = Projection.of(parts, counted)
-            gram[block] = normal_equations.products_of_rows(projection.left)
+            gram[block] = products_of_rows(projection.left)
             if metric is None:
                 turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
         if metric is None:
@@ -104,10 +110,7 @@ class Evidence:
 
 def cluster_grams(rows: Array, effects: Array, labels: IntArray, used: Mask) -> Array:
     """Gram matrices (c, ...) as of `Evidence.of`: faster, but they lose digits."""
-    gram = [
-        normal_equations.projected_gram_matrices(parts, counted)
-        for _, parts, counted in _blocks(rows, effects, used)
-    ]
+    gram = [projected_gram_matrices(parts, counted) for _, parts, counted in _blocks(rows, effects, used)]
     return _sum_by(np.concatenate(gram), labels)
 
 
@@ -166,7 +169,7 @@ def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
 def _observed_error_metric(turned: Array, points: float) -> Array:
     """Metric (p, p) of `Evidence` at so many points, of their `_turned_gram`."""
     total, by_turn, turns = turned[:-3, :-3], turned[-3:, :-3], turned[-3:, -3:]
-    removed = by_turn.T @ normal_equations.solve_or_nan(turns, by_turn)
+    removed = by_turn.T @ solve_or_nan(turns, by_turn)
     metric: Array = (total - removed) / points
     return metric if np.isfinite(metric).all() else total
 
