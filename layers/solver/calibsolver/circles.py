@@ -55,9 +55,8 @@ def fit_circles(
     for _ in range(ROUNDS - 1):
         moved = []
         for view, pose in zip(views, calibration.poses, strict=True):
-            bias = np.zeros((len(view), 2))
-            if np.isfinite(pose).all():
-                bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
+            # Degenerate views have no pose.
+            bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
             moved.append(replace(view, image_points=view.image_points - bias))
         corrected = tuple(moved)
         calibration = fit(
