@@ -153,9 +153,9 @@ def pool(
         consistent=remaining is None,
         groups=tuple(tuple(fits[i].member.id for i in part) for part in agreement.groups),
         dropped=dropped,
-        spread=rms_spread(pooled, group, shares) if len(group) > 1 else math.nan,
+        spread=_weighted_rms(compare([pooled, *(f.calibration for f in group)])[0, 1:], shares),
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
-        held_out_error=float(np.sqrt(np.average(errors**2, weights=shares))) if len(group) > 1 else math.nan,
+        held_out_error=_weighted_rms(errors, shares),
     )
 
 
@@ -295,12 +295,11 @@ def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
     return {member.id: 1 / counts[member.contributor] for member in members}
 
 
+def _weighted_rms(errors: Array, weights: Array) -> float:
+    """Weighted root mean square; NaN of one member."""
+    return float(np.sqrt(np.average(errors**2, weights=weights))) if len(weights) > 1 else math.nan
+
+
 def _weights(fits: Sequence[FittedMember], rule: Rule) -> Array:
     weights = member_weights([f.member for f in fits], rule)
     return np.array([weights[f.member.id] for f in fits])
-
-
-def rms_spread(pooled: Calibration, group: Sequence[FittedMember], weights: Array) -> float:
-    """Weighted root mean square of the differences of the members' projections from the pooled ones, px."""
-    away = compare([pooled, *(f.calibration for f in group)])[0, 1:]
-    return float(np.sqrt(np.average(away**2, weights=weights)))
