@@ -14,7 +14,7 @@ INDISTINCT = 1e-14
 
 
 def frozen(values: Any) -> Array:
-    """Return `values` as a read-only float64 copy: what a frozen dataclass may hold."""
+    """Read-only float64 copy."""
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
@@ -34,10 +34,7 @@ def block_diagonal(one: Array, other: Array) -> Array:
 
 
 def symmetric_inverse(a: Array) -> Array:
-    """Inverse of positive definite (..., p, p) matrices whose entries may differ by many powers of ten.
-
-    See `whitening`: the inverse, too, is positive definite. NaN where the matrix is not finite.
-    """
+    """Inverse, positive definite, of matrices (..., p, p), see `whitening`."""
     t = whitening(a)
     inverse: Array = t @ np.swapaxes(t, -1, -2)
     return (inverse + np.swapaxes(inverse, -1, -2)) / 2
@@ -46,9 +43,8 @@ def symmetric_inverse(a: Array) -> Array:
 def whitening(a: Array) -> Array:
     """Matrices T (..., p, p) with T'AT = 1 for positive definite A; TT' is the inverse of A.
 
-    The matrix is brought to a unit diagonal first: an information matrix in (px, px, 1) units has a condition
-    number that means nothing until then. What is left of it may be rounding all the same, and of either sign:
-    such directions count as known `INDISTINCT` worse than the best. NaN where the matrix is not finite.
+    At a unit diagonal, because entries may differ by many powers of ten; directions that are rounding count
+    as known `INDISTINCT` worse than the best. NaN if the matrix is not finite.
     """
     scale = 1 / np.sqrt(np.maximum(np.diagonal(a, axis1=-2, axis2=-1), 1e-300))
     unit = a * scale[..., :, None] * scale[..., None, :]

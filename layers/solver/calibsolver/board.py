@@ -1,4 +1,4 @@
-"""Calibration boards (ChArUco, chessboard, AprilGrid): their corners, and their pictures' parameters."""
+"""Calibration boards: their corners, and the parameters of their pictures."""
 
 import math
 import re
@@ -35,23 +35,22 @@ class Board:
     Frame: x right, y down, z away from the viewer; a board that faces the camera upright has rotation 0.
     Corner id = row * (squares_x - 1) + column lies at (column + 1, row + 1, 0), as in OpenCV.
 
-    An AprilGrid is numbered as Kalibr numbers it: tags row by row from the lower left one, id = 4 * tag +
-    corner, corners anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
+    AprilGrid, as Kalibr: tags row by row from the lower left one, id = 4 * tag + corner, corners
+    anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
 
-    A grid of circles has its circles as corners, row by row from the upper left, circle 0 at (1, 1). The unit
-    is the distance between rows. In an asymmetric grid, as OpenCV has it, the circles of a row are two units
-    apart, and odd rows are shifted by one.
+    Circles: row by row from the upper left, circle 0 at (1, 1), the unit is the distance between rows. In an
+    asymmetric grid the circles of a row are two units apart, and odd rows are shifted by one.
 
     Attributes
     ----------
     squares
-        (columns, rows), 3 to 64 each; of an AprilGrid its tags, 1 to 64 each, of circles 2 to 64 each.
+        (columns, rows), 3 to 64 each; tags, 1 to 64, or circles, 2 to 64.
     marker_ratio
         Side of a marker / side of a square, inside (0, 1).
     dictionary
         OpenCV's name: ``DICT_<n>X<n>_<count>``, ``DICT_ARUCO_ORIGINAL`` or ``DICT_APRILTAG_<family>``.
     legacy
-        The layout of OpenCV before 4.6: where the number of rows is even, the first square holds a marker.
+        The layout of OpenCV before 4.6: if the number of rows is even, the first square has a marker.
     kind
         One of `KINDS`. A chessboard has no markers; its first square is black.
     inverted
@@ -59,7 +58,7 @@ class Board:
     tag_spacing
         Gap between the tags of an AprilGrid / side of a tag.
     surface
-        ``screen`` if a screen shows the board, which is flat then: its views have no shape. None: anything.
+        ``screen`` if a screen shows the board, which is flat then.
 
     Raises ValueError for a board that cannot exist.
     """
@@ -109,10 +108,7 @@ class Board:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "Board":
-        """Board of plain values under the names of its attributes; missing ones have their defaults.
-
-        Raises ValueError for a board that cannot exist.
-        """
+        """Board of plain values under the names of its attributes; missing ones have their defaults."""
         values = dict(record)
         if "squares" in values:
             w, h = values["squares"]
@@ -137,7 +133,7 @@ class Board:
 
     @property
     def has_markers(self) -> bool:
-        """True if a part of the board identifies itself; a chessboard must be visible as a whole."""
+        """True if a part of the board identifies itself; other boards must be visible as a whole."""
         return self.kind in ("charuco", "aprilgrid")
 
     @property
@@ -151,10 +147,9 @@ class Board:
     def lattice(self) -> IntArray:
         """Ids of the corners in rows and columns, (rows, columns), from the top left as the board is seen."""
         w, h = self.squares
-        if self.kind in CIRCLES:
-            return np.arange(w * h).reshape(h, w)
         if self.kind != "aprilgrid":
-            return np.arange((w - 1) * (h - 1)).reshape(h - 1, w - 1)
+            rows, columns = (h, w) if self.kind in CIRCLES else (h - 1, w - 1)
+            return np.arange(rows * columns).reshape(rows, columns)
         tags = 4 * np.arange(w * h).reshape(h, w)[::-1]
         top, bottom = np.stack([tags + 3, tags + 2], axis=2), np.stack([tags, tags + 1], axis=2)
         return np.stack([top.reshape(h, 2 * w), bottom.reshape(h, 2 * w)], axis=1).reshape(2 * h, 2 * w)
@@ -168,20 +163,17 @@ class Board:
             x = column * (1 + self.tag_spacing) + np.isin(corner, (1, 2))
             y = row * (1 + self.tag_spacing) + np.isin(corner, (2, 3))
             return frozen(np.stack([x, -y, np.zeros(len(x))], axis=1))
-        if self.kind in CIRCLES:
-            row, column = np.divmod(np.arange(self.corner_count), self.squares[0])
-            if self.kind == "asymmetric_circles":
-                column = 2 * column + row % 2
-            return frozen(np.stack([column + 1, row + 1, np.zeros(len(row))], axis=1))
-        row, column = np.divmod(np.arange(self.corner_count), self.squares[0] - 1)
-        return frozen(np.stack([column + 1, row + 1, np.zeros(self.corner_count)], axis=1))
+        row, column = np.indices(self.lattice.shape).reshape(2, -1)
+        if self.kind == "asymmetric_circles":
+            column = 2 * column + row % 2
+        return frozen(np.stack([column + 1, row + 1, np.zeros(len(row))], axis=1))
 
     @cached_property
     def support(self) -> Array:
         """Points that a camera must see for a detector to find each corner, (n, g, m, 3), board units.
 
-        All m of one of g groups suffice: the corners of either marker next to a corner of a ChArUco board,
-        those of the tag on an AprilGrid, the ends of a circle, and a chessboard's corner itself.
+        All m of one of g groups suffice: the corners of a marker next to the corner, those of the tag, the
+        ends of a circle, or a chessboard's corner itself.
         """
         points = self.points[:, None, None]
         if self.kind == "aprilgrid":
@@ -200,7 +192,7 @@ class Board:
 
     @cached_property
     def outline(self) -> Array:
-        """The corners of the board's edge, clockwise from the top left, (4, 3), board units and frame."""
+        """Corners of the board's edge, clockwise from the top left, (4, 3), board units and frame."""
         w, h = self.size
         top = -h if self.kind == "aprilgrid" else 0.0
         return frozen([[0, top, 0], [w, top, 0], [w, top + h, 0], [0, top + h, 0]])
@@ -214,7 +206,7 @@ class Board:
         return int(match.group(1)) if match else 5
 
     def view(self, ids: Sequence[int], points: object) -> View:
-        """Return the view in which the corners `ids` (n) were seen at `points` (n, 2) px.
+        """View in which the corners `ids` (n) were seen at `points` (n, 2) px.
 
         Raises ValueError for an id that is not on the board or is given twice.
         """
@@ -230,7 +222,7 @@ class Board:
         return View(self.points[index], seen, flat=self.surface == "screen")
 
     def views(self, records: Iterable[Mapping[str, Any]]) -> list[View]:
-        """Build views of records of plain values: `ids` (n), `points` (n, 2) px; other members are ignored.
+        """Views of records of plain values, `ids` (n) and `points` (n, 2) px.
 
         Raises ValueError as `view` does.
         """

@@ -15,15 +15,7 @@ DOMAIN_GRID = (40, 30)
 
 @dataclass(frozen=True)
 class Domain:
-    """Domain in which a camera is one-to-one.
-
-    Attributes
-    ----------
-    angle
-        Largest angle from the axis, radians.
-    covered
-        Share of the image of which every pixel has a ray within.
-    """
+    """Largest angle from the axis, radians, in the one-to-one domain, and share of the image within."""
 
     angle: float
     covered: float
@@ -96,7 +88,7 @@ class Camera:
         return np.ascontiguousarray(q.T).reshape(*shape, 2)
 
     def unproject(self, pixels: Array) -> Array:
-        """Return unit rays (n, 3), camera frame, of pixels (n, 2); NaN where the valid domain has none."""
+        """Unit rays (n, 3), camera frame, of pixels (n, 2); NaN where the valid domain has none."""
         q, shape = rows(pixels, 2)
         rays = models.get(self.model).unproject(self.intrinsics, q)
         return np.ascontiguousarray(rays.T).reshape(*shape, 3)
@@ -122,7 +114,7 @@ def pixel_grid(img_size: tuple[int, int], grid: tuple[int, int]) -> Array:
 
 
 def rows(values: object, width: int) -> tuple[Array, tuple[int, ...]]:
-    """Return `values` (..., width) as (width, n), and the shape in front; ValueError for any other shape."""
+    """Values (..., width) as (width, n), and the shape in front; ValueError for any other shape."""
     array = np.asarray(values, dtype=np.float64)
     if array.shape == (0,):  # an empty list
         array = array.reshape(0, width)

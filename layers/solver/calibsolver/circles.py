@@ -14,16 +14,14 @@ from .fitting.fit import fit
 from .view import View
 
 RIM_POINTS = 64
-"""Points along the rim of a circle that are projected."""
 ROUNDS = 3
-"""Fits, each of centres corrected by the one before: the correction settles at once."""
+"""Fits, each of centres corrected by the one before."""
 
 
 def centre_bias(camera: Camera, view: View, pose: Array, radius: float) -> Array:
-    """Return for each circle (n, 2) px the centroid of its picture minus the picture of its centre.
+    """Centroid of the picture of each circle minus the picture of its centre, (n, 2) px.
 
-    Perspective and distortion move it: detectors measure centroids. `pose` is rvec|tvec, board -> camera,
-    `radius` in board units.
+    Perspective and distortion move it. `pose` is rvec|tvec, board -> camera, `radius` in board units.
     """
     angle = np.linspace(0, 2 * np.pi, RIM_POINTS, endpoint=False)
     rim = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
@@ -50,16 +48,15 @@ def fit_circles(
 ) -> tuple[Calibration, tuple[View, ...]]:
     """Fit a camera to centroids of circles, corrected by their bias; also return the corrected views.
 
-    `start` and `fix` as for `fit`. Raises CalibrationError as `fit` does.
+    Other arguments, and errors, as of `fit`.
     """
     corrected = tuple(views)
     calibration = fit(corrected, img_size, model, start=start, fix=fix, board_shape=False)
     for _ in range(ROUNDS - 1):
         moved = []
         for view, pose in zip(views, calibration.poses, strict=True):
-            bias = np.zeros((len(view), 2))
-            if np.isfinite(pose).all():
-                bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
+            # Degenerate views have no pose.
+            bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
             moved.append(replace(view, image_points=view.image_points - bias))
         corrected = tuple(moved)
         calibration = fit(

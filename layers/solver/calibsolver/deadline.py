@@ -1,7 +1,7 @@
 """Deadline of a computation: time that the caller allots, checked in every loop that may be long.
 
-The solver has no clock. The caller says how many seconds are left; if none are, the loop
-raises DeadlineError, and nothing is half done. Without a limit computations end when they are done.
+The solver has no clock: the caller says how many seconds are left. If none are, the loop raises
+DeadlineError, and nothing is half done.
 """
 
 from collections.abc import Callable, Iterator
@@ -21,7 +21,7 @@ _seconds_left: ContextVar[SecondsLeft | None] = ContextVar("seconds_left", defau
 def limit(seconds_left: SecondsLeft) -> Iterator[None]:
     """Limit the computations of the block: `seconds_left` returns s, 0 or less when the time is up.
 
-    A limit around the block also applies. DeadlineError leaves the block when the time is up.
+    A limit around the block also applies.
     """
     outer = _seconds_left.get()
     bounded = seconds_left if outer is None else lambda: min(outer(), seconds_left())
@@ -33,9 +33,9 @@ def limit(seconds_left: SecondsLeft) -> Iterator[None]:
 
 
 def compute_within(seconds: float, compute: Callable[[], T], otherwise: T) -> T:
-    """Compute what can be done without: `otherwise` where it takes more than so many s of the time left.
+    """Compute an optional value: `otherwise` if it takes more than so many s of the time left.
 
-    Unlimited where no limit is set. Raises DeadlineError where not this share but all of the time is up.
+    Unlimited without a limit. Raises DeadlineError if all of the time is up.
     """
     outer = _seconds_left.get()
     if outer is None:

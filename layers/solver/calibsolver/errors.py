@@ -1,7 +1,7 @@
-"""Errors of the solver, and how their reasons state figures: words instead of meaningless numbers."""
+"""Errors of the solver, and how their messages state figures."""
 
-from contextlib import ContextDecorator
-from types import TracebackType
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from numpy.linalg import LinAlgError
 
@@ -10,15 +10,7 @@ MAX_FACTOR = 100.0
 
 
 class CalibrationError(Exception):
-    """Reason why there is no calibration: one that cannot be believed is never returned.
-
-    Parameters
-    ----------
-    code
-        Short and stable, for programs: ``too_few_points``, ``degenerate``, ``no_fit`` and the like.
-    message
-        One sentence for people.
-    """
+    """Reason why there is no calibration: a stable `code` for programs, and one sentence for people."""
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
@@ -26,26 +18,20 @@ class CalibrationError(Exception):
         self.message = message
 
 
-class undetermined(ContextDecorator):  # noqa: N801 (used as a function, as contextlib's are)
-    """Raise CalibrationError ``not_believable`` where linear algebra fails within the block, or the function.
+@contextmanager
+def undetermined() -> Iterator[None]:
+    """Raise CalibrationError ``not_believable`` if linear algebra fails in the block, or in the function.
 
-    A matrix that is singular, or whose decomposition does not converge, is one that the given numbers leave
-    undetermined: an answer about these numbers, and never an error of the program.
+    The given numbers leave a matrix undetermined that is singular, or whose decomposition does not converge.
     """
-
-    def __enter__(self) -> None:
-        """Begin the block."""
-
-    def __exit__(
-        self, kind: type[BaseException] | None, raised: BaseException | None, _: TracebackType | None
-    ) -> None:
-        """End the block; raises CalibrationError in the place of LinAlgError."""
-        if isinstance(raised, LinAlgError):
-            raise CalibrationError("not_believable", "these views leave the camera undetermined") from raised
+    try:
+        yield
+    except LinAlgError as error:
+        raise CalibrationError("not_believable", "these views leave the camera undetermined") from error
 
 
 class DeadlineError(Exception):
-    """End of the time that the caller allotted (`deadline.limit`), before the computation ended.
+    """End of the time that the caller allotted (`deadline.limit`).
 
     It says nothing of the views, so it is not a CalibrationError: a caller of several fits must not take it
     for a fit that failed.

@@ -1,7 +1,7 @@
 """Calibration of a resized, cropped, turned or mirrored picture.
 
-Pixels: the centre of the top-left pixel is (0, 0). Its corner is (-1/2, -1/2), and it is the corners that a
-resize multiplies: hence the halves.
+The centre of the top-left pixel is (0, 0), its corner (-1/2, -1/2). A resize multiplies corners: hence the
+halves.
 """
 
 from collections.abc import Sequence
@@ -16,19 +16,13 @@ from .errors import CalibrationError
 from .view import View
 
 MAX_SIDE_PX = 65_536
-"""px, beyond which no picture's side lies."""
 
 
 @dataclass(frozen=True, eq=False)
 class Transform:
-    """An axis-aligned map of pixels, q' = linear q + offset, to a picture of another size.
+    """An axis-aligned map of pixels, q' = linear q + offset, to a picture of `img_size`.
 
-    Attributes
-    ----------
-    linear, offset
-        (2, 2) and (2,). The linear part scales, mirrors and turns by quarters.
-    img_size
-        Width and height of the picture after it, px.
+    The linear part (2, 2) scales, mirrors and turns by quarters.
     """
 
     linear: Array
@@ -42,18 +36,17 @@ class Transform:
 
     def pixels(self, q: Array) -> Array:
         """Carry pixels (n, 2) along."""
-        moved: Array = np.asarray(q, dtype=np.float64) @ self.linear.T + self.offset
-        return moved
+        return np.asarray(q, dtype=np.float64) @ self.linear.T + self.offset
 
     def view(self, view: View) -> View:
         """Carry a view along; its points may leave the picture."""
         return replace(view, image_points=self.pixels(view.image_points))
 
     def camera(self, camera: Camera) -> Camera:
-        """Return the camera of the transformed picture.
+        """Camera of the transformed picture.
 
-        A turn or a reflection T of the picture is one of the camera's frame: what comes after it is a camera
-        with T's axes. Radial terms do not notice; tangential ones (p2, p1) turn as a vector does.
+        A turn or a reflection T of the picture is one of the camera's frame. Radial terms do not notice;
+        tangential ones (p2, p1) turn as a vector does.
         """
         f = np.abs(self.linear) @ (camera.matrix[0, 0], camera.matrix[1, 1])
         axes = np.sign(self.linear)
@@ -67,7 +60,7 @@ class Transform:
         return Camera(camera.model, matrix, d, self.img_size)
 
     def then(self, following: "Transform") -> "Transform":
-        """Return this transform followed by another."""
+        """Both transforms, `following` last."""
         return Transform(
             following.linear @ self.linear,
             following.linear @ self.offset + following.offset,
@@ -75,7 +68,7 @@ class Transform:
         )
 
     def split(self) -> tuple["Transform", "Transform"]:
-        """Return two transforms that make this one: a crop and resize, then a turn or reflection."""
+        """Two transforms that make this one: a crop and resize, then a turn or reflection."""
         axes = np.sign(self.linear)
         w, h = (int(n) for n in np.abs(axes.T) @ self.img_size)
         corner = np.where(axes.sum(axis=1) < 0, np.array(self.img_size) - 1.0, 0.0)
@@ -91,17 +84,17 @@ def identity(img_size: tuple[int, int]) -> Transform:
 def resize(img_size: tuple[int, int], to: tuple[int, int]) -> Transform:
     """Resample the whole picture to another size.
 
-    Only right where the smaller picture is the larger one scaled down: a camera's own resolutions may differ
-    in their field of view.
+    Only right if the smaller picture is the larger one scaled down: a camera's own resolutions may differ in
+    their field of view.
     """
     s = np.array(_size(to)) / _size(img_size)
     return Transform(np.diag(s), s / 2 - 0.5, _size(to))
 
 
 def crop(img_size: tuple[int, int], corner: tuple[int, int], size: tuple[int, int]) -> Transform:
-    """Cut a part out: `corner` is the pixel that becomes the top-left one.
+    """Cut a part out, from `corner` on.
 
-    Raises CalibrationError ``out_of_range`` for a part that does not lie inside the picture.
+    Raises CalibrationError ``out_of_range`` if it exceeds the picture.
     """
     (w, h), (x, y) = _size(size), corner
     if not (x >= 0 and y >= 0 and x + w <= img_size[0] and y + h <= img_size[1]):
@@ -133,8 +126,8 @@ def mirror(img_size: tuple[int, int]) -> Transform:
 def apply(transform: Transform, camera: Camera, views: Sequence[View]) -> tuple[Camera, tuple[View, ...]]:
     """Carry a camera and its views along.
 
-    Views of a reflected picture are of a reflected camera, which sees the board as it would look in a mirror:
-    the board's points are reflected too, so that they fit the camera again.
+    The camera of a reflected picture sees the board as in a mirror: the board's points are reflected too, so
+    that they fit the camera again.
     """
     moved = [transform.view(view) for view in views]
     if transform.mirrored:

@@ -9,13 +9,14 @@ from .arrays import Array, frozen
 from .camera import Camera
 from .errors import CalibrationError, undetermined
 from .fitting.calibration import Calibration
+from .fitting.levenberg_marquardt import residual_rows
 from .fitting.observations import Observations
 from .fitting.resection import resect
 from .fitting.validation import MIN_POINTS
 from .view import View
 
 PRIOR_FREEDOM = 20.0
-"""Degrees of freedom that the noise of the calibration counts for, next to the residuals of the view."""
+"""Degrees of freedom of the calibration's noise, next to the residuals of the view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +28,12 @@ class BoardPose:
     rvec, tvec
         (3,) rotation vector, radians, and translation, units of the object points.
     covariance
-        (6, 6) of a small turn of the board in the camera frame, radians (R becomes exp(w) R), and of t. It
-        counts the noise of the corners, and what the camera's own covariance leaves open.
+        (6, 6) of a small turn of the board in the camera frame, radians (R becomes exp(w) R), and of t, by
+        the noise of the corners and the covariance of the camera.
     rms
-        px, root of the (weighted) mean square distance between the points and their projections.
+        px, root of the (weighted) mean square distance.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
+        px, standard deviation of one coordinate of a corner, of mean weight.
     """
 
     rvec: Array
@@ -51,8 +52,7 @@ class BoardPose:
     @property
     def std(self) -> Array:
         """(6,) standard deviations: the diagonal of `covariance`."""
-        deviations: Array = np.sqrt(np.diagonal(self.covariance))
-        return deviations
+        return np.sqrt(np.diagonal(self.covariance))
 
 
 @undetermined()
@@ -66,10 +66,9 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
     view
         At least six points, not all on a line.
     noise
-        px, standard deviation of one coordinate of a corner, where it is known; else it is estimated from
-        the residuals, and from the noise of the calibration.
+        px of one coordinate of a corner; None: estimated from the residuals and the noise of the calibration.
 
-    Raises CalibrationError ``too_few_points``, or ``not_believable`` where no pose explains the view.
+    Raises CalibrationError ``too_few_points``, or ``not_believable`` if no pose explains the view.
     """
     if len(view) < MIN_POINTS:
         raise CalibrationError("too_few_points", f"a pose needs {MIN_POINTS} points, not {len(view)}")
@@ -79,18 +78,13 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
     poses, square = resect(model, k, obs)
     if not np.isfinite(square[0]):
         raise CalibrationError("not_believable", "the camera cannot see the points anywhere")
-    turned = poses.r[0] @ view.object_points.T
-    _, by_k, by_point = model.jacobian(k, turned + poses.t[0][:, None])
-    if obs.scale is not None:
-        by_k, by_point = by_k * obs.scale[0], by_point * obs.scale[0]
-    # d(exp(w) R X) = w x (R X)
-    by_turn = np.cross(turned.T[:, None, :], by_point.transpose(2, 1, 0))
-    rows = np.concatenate([by_turn, by_point.transpose(2, 1, 0)], axis=2).reshape(-1, 6)
-    inverse = np.linalg.inv(rows.T @ rows)
+    rows, _ = residual_rows(model, k, poses, obs)
+    by_k, by_pose = (part.reshape(len(part), -1) for part in (rows[: model.size], rows[model.size : -1]))
+    inverse = np.linalg.inv(by_pose @ by_pose.T)
     sigma2 = noise**2 if noise is not None else _variance(camera, float(square[0]), 2 * len(view) - 6)
     covariance = sigma2 * inverse
     if isinstance(camera, Calibration):
-        by_camera = inverse @ rows.T @ by_k.transpose(2, 1, 0).reshape(-1, model.size)
+        by_camera = inverse @ by_pose @ by_k.T
         covariance = covariance + by_camera @ camera.covariance @ by_camera.T
     return BoardPose(
         frozen(rotation.vector(poses.r[0])),
@@ -103,6 +97,6 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
 
 def _variance(camera: Camera | Calibration, square: float, freedom: int) -> float:
     """Variance of one coordinate, px^2: of the residuals, pooled with that of the calibration."""
-    prior = PRIOR_FREEDOM if isinstance(camera, Calibration) else 0.0
-    known = camera.noise**2 if isinstance(camera, Calibration) else 0.0
-    return (square + prior * known) / (freedom + prior)
+    if not isinstance(camera, Calibration):
+        return square / freedom
+    return (square + PRIOR_FREEDOM * camera.noise**2) / (freedom + PRIOR_FREEDOM)

@@ -1,8 +1,4 @@
-"""Plots of a calibration, by matplotlib (the extra ``plot``): each draws into an axis, `report` draws all.
-
-Residuals as arrows, where the board was seen, the uncertainty over the picture, the poses of the board, and a
-picture before and after it is rectified.
-"""
+"""Plots of a calibration, by matplotlib (the extra ``plot``): each draws into an axis, `report` draws all."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,12 +12,9 @@ from .fitting.calibration import Calibration
 from .view import View
 
 ARROW_SHARE = 0.05
-"""Length of a typical residual's arrow / image width."""
 TYPICAL_PERCENTILE = 90.0
 STD_GRID = (64, 48)
-"""Columns and rows of the uncertainty map."""
 LINES = 9
-"""Straight lines of the scene each way that are drawn before and after."""
 
 
 def residuals(axes: Any, calibration: Calibration, views: Sequence[View]) -> None:
@@ -71,9 +64,10 @@ def board_poses(axes: Any, calibration: Calibration, views: Sequence[View]) -> N
     for number, (view, pose) in enumerate(zip(views, calibration.poses, strict=True)):
         if not np.isfinite(pose).all():
             continue
-        low, high = view.object_points[:, :2].min(axis=0), view.object_points[:, :2].max(axis=0)
-        corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-        outline = np.column_stack([corners, np.zeros(4)])[[0, 1, 2, 3, 0]]
+        left, top, _ = view.object_points.min(axis=0)
+        right, bottom, _ = view.object_points.max(axis=0)
+        corners = [[left, top, 0], [right, top, 0], [right, bottom, 0], [left, bottom, 0]]
+        outline = np.array([*corners, corners[0]])
         x, y, z = (outline @ rotation.matrix(pose[:3]).T + pose[3:]).T
         axes.plot(x, z, -y, color=f"C{number % 10}", linewidth=0.9)
         depths.append(float(z.max()))
@@ -111,7 +105,7 @@ def before_after(before: Any, after: Any, camera: Camera, picture: Any = None) -
 
 
 def report(calibration: Calibration, views: Sequence[View], title: str = "", picture: Any = None) -> Any:
-    """Return a figure with all plots."""
+    """Figure with all plots."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(16, 9.5), layout="constrained")
@@ -130,14 +124,11 @@ def _scene_lines(camera: Camera, matrix: Array) -> list[Array]:
     """Straight lines on the plane z = 1, (n, 3) each, that fill the rectified picture."""
     w, h = camera.img_size
     inverse = np.linalg.inv(matrix)
-    lines = []
+    along, lines = np.linspace(0, 1, 200), []
     for share in np.linspace(0, 1, LINES):
-        along = np.linspace(0, 1, 200)
-        for u, v in (
-            (along * (w - 1), 0 * along + share * (h - 1)),
-            (0 * along + share * (w - 1), along * (h - 1)),
-        ):
-            lines.append(np.stack([u, v, np.ones_like(u)], axis=1) @ inverse.T)
+        across = np.full_like(along, share)
+        for u, v in ((along, across), (across, along)):
+            lines.append(np.stack([u * (w - 1), v * (h - 1), np.ones_like(u)], axis=1) @ inverse.T)
     return lines
 
 

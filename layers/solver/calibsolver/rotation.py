@@ -5,7 +5,7 @@ import numpy as np
 from .arrays import Array
 
 MIN_HALF_ANGLE_RAD = 1e-150
-"""Lower bound of the half angle, so that sin(half) / half is 1 instead of 0/0."""
+"""So that sin(half) / half is 1 instead of 0/0."""
 CROSS = np.array([[0.0, 0, 0, 0, 0, -1, 0, 1, 0], [0, 0, 1, 0, 0, 0, -1, 0, 0], [0, -1, 0, 1, 0, 0, 0, 0, 0]])
 """Matrix (3, 9) from a vector to its cross-product matrix, row by row."""
 
@@ -31,7 +31,7 @@ def matrix(rvec: Array) -> Array:
 def vector(r: Array) -> Array:
     """Rotation vectors of rotation matrices (..., 3, 3) -> (..., 3), angle in [0, pi].
 
-    Goes through the unit quaternion of largest component, which keeps full precision at 0 and at pi.
+    By the unit quaternion of largest component, which keeps full precision at 0 and at pi.
     """
     m = r.reshape(-1, 3, 3)
     diagonal = np.diagonal(m, axis1=1, axis2=2)

@@ -11,50 +11,30 @@ from .camera import Camera
 from .errors import CalibrationError
 
 MAX_RECTIFIED_ANGLE_DEG = 80.0
-"""Largest angle from the axis that a rectified picture shows: beyond, the plane grows without bound."""
+"""Largest angle from the axis in a rectified picture: beyond, the plane grows without bound."""
 BORDER_POINTS = 65
-"""Points along each edge of the picture that are looked at."""
 HALVINGS = 40
-"""Of the way from the border to the last pixel with a ray."""
 
 
 def new_camera_matrix(camera: Camera, alpha: float = 0.0, size: Sequence[int] | None = None) -> Array:
-    """Return the camera matrix (3, 3) of a rectified picture, as cv2.getOptimalNewCameraMatrix scales it.
+    """Camera matrix (3, 3) of a rectified picture of a size, px, as cv2.getOptimalNewCameraMatrix scales it.
 
-    Where the model has no ray for the picture's border, the edge of what it covers stands for the border.
-
-    Parameters
-    ----------
-    camera
-        The camera.
-    alpha
-        0: every pixel of the rectified picture has a colour; 1: every pixel of the picture is kept.
-    size
-        Width and height of the rectified picture, px; the camera's unless given.
-
-    Raises CalibrationError ``out_of_range`` if alpha lies outside 0 to 1.
+    With `alpha` 0 every pixel of the rectified picture has a colour, with 1 every pixel of the picture is
+    kept. If the model has no ray for the picture's border, the edge of its domain replaces it. Raises
+    CalibrationError ``out_of_range`` if alpha lies outside 0 to 1.
     """
     if not 0 <= alpha <= 1:
         raise CalibrationError("out_of_range", f"alpha lies in 0 to 1, not {alpha}")
     (w, h), (new_w, new_h) = camera.img_size, size or camera.img_size
     x, y = np.linspace(0, w - 1, BORDER_POINTS), np.linspace(0, h - 1, BORDER_POINTS)
-    edges = {
-        "top": np.stack([x, np.zeros_like(x)], axis=1),
-        "bottom": np.stack([x, np.full_like(x, h - 1)], axis=1),
-        "left": np.stack([np.zeros_like(y), y], axis=1),
-        "right": np.stack([np.full_like(y, w - 1), y], axis=1),
-    }
-    planes = {name: _on_plane(_rays_near(camera, edge)) for name, edge in edges.items()}
-    everything = np.concatenate(list(planes.values()))
+    edges = ((x, 0.0), (x, h - 1.0), (0.0, y), (w - 1.0, y))
+    borders = [np.stack(np.broadcast_arrays(*edge), axis=1) for edge in edges]
+    top, bottom, left, right = (_on_plane(_rays_near(camera, border)) for border in borders)
+    everything = np.concatenate([top, bottom, left, right])
     if not np.isfinite(everything).any():
         return np.array(camera.matrix)
     outer = (*everything.min(axis=0), *everything.max(axis=0))
-    inner = (
-        planes["left"][:, 0].max(),
-        planes["top"][:, 1].max(),
-        planes["right"][:, 0].min(),
-        planes["bottom"][:, 1].min(),
-    )
+    inner = (left[:, 0].max(), top[:, 1].max(), right[:, 0].min(), bottom[:, 1].min())
     if not (inner[0] < inner[2] and inner[1] < inner[3]):
         inner = outer
     matrices = [_fill(bounds, (int(new_w), int(new_h))) for bounds in (inner, outer)]
@@ -64,20 +44,11 @@ def new_camera_matrix(camera: Camera, alpha: float = 0.0, size: Sequence[int] | 
 def remap_tables(
     camera: Camera, matrix: object = None, size: Sequence[int] | None = None
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the columns and the rows (h, w) px from which the pixels of a rectified picture come.
+    """Columns and rows (h, w) px from which the pixels of a rectified picture come.
 
-    Pixels that the lens does not see come from -1, outside the picture.
-
-    Parameters
-    ----------
-    camera
-        The camera.
-    matrix
-        (3, 3) camera matrix of the rectified picture; the camera's own unless given.
-    size
-        Width and height of the rectified picture, px; the camera's unless given.
-
-    Raises CalibrationError ``bad_camera`` for a matrix that is none.
+    Pixels that the lens does not see come from -1, outside the picture. The (3, 3) matrix of the rectified
+    picture and its size, px, are the camera's unless given. Raises CalibrationError ``bad_camera`` for an
+    invalid matrix.
     """
     new = np.asarray(camera.matrix if matrix is None else matrix, dtype=np.float64)
     if new.shape != (3, 3) or not abs(np.linalg.det(new)) > 0:
@@ -113,8 +84,7 @@ def _middle(camera: Camera) -> Array:
     pixels = np.stack([x.ravel(), y.ravel()], axis=1)
     has_ray = np.isfinite(camera.unproject(pixels)).all(axis=1)
     distance = np.where(has_ray, np.linalg.norm(pixels - np.array([w - 1, h - 1]) / 2, axis=1), np.inf)
-    nearest: Array = pixels[np.argmin(distance)] if has_ray.any() else np.full(2, np.nan)
-    return nearest
+    return pixels[np.argmin(distance)] if has_ray.any() else np.full(2, np.nan)
 
 
 def _on_plane(rays: Array) -> Array:
@@ -123,8 +93,7 @@ def _on_plane(rays: Array) -> Array:
     r = np.hypot(rays[:, 0], rays[:, 1])
     angle = np.minimum(np.arctan2(r, rays[:, 2]), limit)
     scale = np.tan(angle) / np.where(r > 0, r, 1)
-    plane: Array = rays[:, :2] * scale[:, None]
-    return plane
+    return rays[:, :2] * scale[:, None]
 
 
 def _fill(bounds: Sequence[float], size: tuple[int, int]) -> Array:

@@ -18,8 +18,7 @@ class View:
     image_points
         (n, 2), px, centre of the top-left pixel at (0, 0).
     weights
-        (n,) relative weights > 0: 1 / variance, up to a factor that all views share. One number weighs the
-        whole view; None is 1. They count in `fit` and `locate`.
+        (n,) or one number, > 0: 1 / variance, up to a factor that all views share; None is 1.
     flat
         True if the board is known to be as drawn, as on a screen: `fit` then estimates no shape.
 
@@ -51,6 +50,6 @@ class View:
         return len(self.object_points)
 
     def subset(self, index: IntArray | Mask) -> "View":
-        """Return the view with some of its points."""
+        """View with some of its points."""
         weights = None if self.weights is None else np.asarray(self.weights)[index]
         return View(self.object_points[index], self.image_points[index], weights, self.flat)

@@ -1,4 +1,4 @@
-"""Linear algebra that fails, anywhere in the solver: an answer about the views, no error of the program."""
+"""Failures of linear algebra are answers about the views."""
 
 import contextlib
 from collections.abc import Callable

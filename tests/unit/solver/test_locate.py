@@ -1,4 +1,4 @@
-"""Poses of boards: exact without noise, and covariances that cover the errors of simulated poses."""
+"""Poses of boards and their covariances."""
 
 import cv2
 import numpy as np
@@ -23,7 +23,6 @@ def camera_of(model: str, change: np.ndarray | float = 0.0) -> Camera:
 
 
 def calibration_of(model: str) -> Calibration:
-    """Calibration with a covariance as of a dozen views."""
     camera = camera_of(model)
     sigmas = np.array([1.5, 1.5, 2.0, 2.0, *([0.002] * len(camera.distortion))])
     names = len(sigmas)
@@ -37,7 +36,6 @@ def calibration_of(model: str) -> Calibration:
 
 
 def poses(model: str, count: int, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Rotations and translations at which the whole board is in the picture, tilted."""
     camera, out = camera_of(model), []
     middle = np.array([*BOARD.points[:, :2].mean(axis=0), 0])
     while len(out) < count:
@@ -68,7 +66,7 @@ def mahalanobis(model: str, rng: np.random.Generator, count: int) -> list[float]
 
 @pytest.mark.parametrize("count", [40, *thorough(500)])
 def test_covariance_covers_the_errors_of_simulated_poses(count: int) -> None:
-    """Within three times the Monte Carlo error of a share, of one model and of all four."""
+    """Within three times the Monte Carlo error."""
     rng = np.random.default_rng(45)
     distances = np.array([mahalanobis(model, rng, count) for model in MODELS])
     for limit, share in ((CHI2_68, 0.68), (CHI2_95, 0.95)):
@@ -106,7 +104,6 @@ def test_too_few_points_are_refused() -> None:
 
 
 def test_weights_make_poses_of_uneven_corners_certain() -> None:
-    """Every third corner is five times as noisy: the covariance still covers, and is smaller than without."""
     rng = np.random.default_rng(1)
     sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.5, NOISE)
     camera, squares, shares = camera_of("rectilinear"), [], []

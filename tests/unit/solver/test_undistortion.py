@@ -1,4 +1,4 @@
-"""Rectified pictures of one camera: against OpenCV, and where a model has no ray for the picture's border."""
+"""Rectified pictures of one camera."""
 
 import cv2
 import numpy as np

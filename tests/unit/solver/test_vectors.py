@@ -1,15 +1,14 @@
-"""Test vectors of the browser's projections and rectifications equal what the solver computes."""
+"""Test vectors of the browser's projections and rectifications."""
 
 import json
 from collections import Counter
-from typing import Any
 
 import numpy as np
 import pytest
 
 from calibsolver import Camera, models
 from calibsolver.models.planar import Planar
-from tests.helpers.lens_vectors import EXAMPLE, SIZE, assert_agrees, recorded
+from tests.helpers.lens_vectors import SIZE, assert_agrees, recorded
 from tests.helpers.rig_vectors import RIGS_PATH, pair_record
 
 
@@ -17,17 +16,11 @@ def test_recorded_rays_and_pixels_are_the_solvers() -> None:
     assert_agrees(lambda model, k: Camera.from_intrinsics(model, k, SIZE))
     counts = Counter(record["model"] for record in recorded())
     assert counts == {"rectilinear": 101, "fisheye": 100, "rational": 100, "omnidirectional": 100}
-
-
-def test_ray_whose_stretch_the_tangential_part_exceeds_has_no_pixel() -> None:
-    model, k, ray = EXAMPLE
-    assert np.isnan(Camera.from_intrinsics(model, np.array(k), SIZE).project(np.array([ray]))).all()
-    assert recorded()[0]["pixels"][0] is None
+    assert recorded()[0]["pixels"][0] is None  # the tangential part exceeds the stretch
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "rational", "omnidirectional"])
 def test_planar_models_are_one_to_one_out_to_the_edge_of_the_domain(model: str) -> None:
-    """Positive definite Jacobians up to the edge: the map is a gradient, and the domain is convex."""
     circle = np.linspace(0, 2 * np.pi, 60)
     for record in recorded():
         if record["model"] != model:
@@ -45,13 +38,7 @@ def test_the_recorded_rectifications_are_the_solvers() -> None:
     recorded = json.loads(RIGS_PATH.read_text())
     assert len(recorded) == 18
     for old in recorded:
-        left, right = (camera(old[side]) for side in ("left", "right"))
+        left, right = (Camera.from_record(old[side]) for side in ("left", "right"))
         new = pair_record(left, right, [*old["pose"]["rvec"], *old["pose"]["tvec"]])
         for name in ("R1", "R2", "P1", "P2", "Q"):
             assert np.abs(np.array(old[name]) - np.array(new[name])).max() < 1e-9, name
-
-
-def camera(record: dict[str, Any]) -> Camera:
-    matrix, distortion = np.array(record["camera_matrix"]), np.array(record["distortion_coefficients"])
-    w, h = record["img_size"]
-    return Camera(model=record["distortion_model"], matrix=matrix, distortion=distortion, img_size=(w, h))

@@ -1,18 +1,17 @@
-"""Agreement of calibrations of one camera: whether each is what the others predict.
+"""Agreement of calibrations of one camera: each is compared with the prediction of the others.
 
-A calibration agrees with others if two ratios are small. `d` is the difference of its intrinsics from those
-that the others give, `S` the information of its own corners, and `C` the sum of the covariances of both and
-of the difference between two specimens:
+A calibration agrees with others if two ratios are small. `d` is the difference of its intrinsics from theirs,
+`S` the information of its own corners, `C` the sum of the covariances of both and of the difference between
+two specimens:
 
 * predictive ratio, d' S d / trace(S C): the squared reprojection error that the others' camera adds to its
   corners (poses fitted again, to second order) over its expectation;
 * distance ratio, d' C^-1 d / p: the mean square standardised difference.
 
 The first finds cameras that the corners contradict, however vague both are. The second finds small
-differences of precise calibrations, relative to the spread of the specimens that the other members show. The
-camera of the others is a random-effects mean with Huber weights (DerSimonian & Laird 1986; Huber 1964). It
-needs intrinsics and covariances only. A calibration of few or poor views agrees with everything, and weighs
-next to nothing.
+differences of precise calibrations, relative to the spread of the other members' specimens. The camera of the
+others is a random-effects mean with Huber weights (DerSimonian & Laird 1986; Huber 1964). A calibration of
+few or poor views agrees with everything, and weighs next to nothing.
 """
 
 from collections.abc import Sequence
@@ -27,35 +26,29 @@ from ..fitting.calibration import Calibration
 from ..fitting.uncertainty import image_error_metric, projection_jacobian_rotation_free
 
 COMPARISON_GRID = (12, 9)
-"""Columns and rows of pixels at which two calibrations are compared."""
 MIN_SHARED_IMAGE = 0.5
-"""Share of the image for which two calibrations must both have rays."""
 MAX_PREDICTIVE_RATIO = 5.0
-"""Predictive ratio up to which a calibration agrees."""
 MAX_DISTANCE_RATIO = 5.0
-"""Distance ratio up to which a calibration agrees if specimens differ by SPECIMEN_SPREAD_WIDTHS."""
+"""Limits of the ratios, the second if specimens differ by SPECIMEN_SPREAD_WIDTHS."""
 MAX_NEIGHBOUR_DISAGREEMENT = 0.5
-"""Disagreement of two calibrations up to which a group may start from both, so that none is a bridge."""
+"""Disagreement up to which a group may start from two calibrations, so that none is a bridge."""
 SPECIMEN_SPREAD_WIDTHS = 0.00083
 """Standard deviation of the difference of two specimens, rms over the image / image width."""
 SPECIMEN_DIRECTIONS = 3
-"""Directions of the intrinsics in which specimens differ: focal length and principal point."""
+"""Directions in which specimens differ: focal length and principal point."""
 SPREAD_MEMBERS, MAX_SPREAD_RATIO = 2.0, 6.0
 """Members that SPECIMEN_SPREAD_WIDTHS is worth; largest variance / its square that a group may show."""
 MAX_PULL_SIGMAS = 1.5
-"""Standardised distance of a contributor from the mean beyond which it pulls no harder."""
+"""Standardised distance from the mean beyond which a contributor pulls no harder."""
 MIN_IMAGE_SHARE = 1e-4
-"""Share by which every parameter moves the image at least: no direction is exempt."""
 MAX_MEAN_ITERATIONS = 20
 MAX_ROUNDS = 12
-"""Rounds in which a group takes in and drops calibrations."""
 MAX_STARTS = 4
-"""Neighbourhoods from which a group is searched, the heaviest first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """Intrinsics as calibrations of one camera state them, with covariance and information.
+    """Intrinsics that calibrations of one camera state.
 
     Attributes
     ----------
@@ -66,7 +59,7 @@ class Estimates:
     specimens
         (p, p) covariance of the difference of two specimens.
     owner
-        (c,) number of the contributor of each calibration; those of one contributor show one specimen.
+        (c,) number of the contributor, whose calibrations show one specimen.
     """
 
     y: Array
@@ -78,11 +71,9 @@ class Estimates:
     @classmethod
     def of(cls, calibrations: Sequence[Calibration], owner: IntArray, reference: Camera) -> "Estimates":
         """Scale the intrinsics of calibrations of one model and image size about a reference camera."""
-        model, k, size = models.get(reference.model), reference.intrinsics, reference.img_size
-        metric = image_error_metric(projection_jacobian_rotation_free(model, k, size, COMPARISON_GRID))
-        scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
-        metric = metric * scale[:, None] * scale + MIN_IMAGE_SHARE * np.eye(len(k))
-        specimens = symmetric_inverse(metric) * (SPECIMEN_SPREAD_WIDTHS * size[0]) ** 2 / len(k)
+        k, width = reference.intrinsics, reference.img_size[0]
+        scale, metric = scaled_metric(reference, MIN_IMAGE_SHARE)
+        specimens = symmetric_inverse(metric) * (SPECIMEN_SPREAD_WIDTHS * width) ** 2 / len(k)
         y = np.array([(c.camera.intrinsics - k) / scale for c in calibrations])
         covariance = np.array([c.covariance / scale[:, None] / scale for c in calibrations])
         unit = np.array([c.information * c.noise**2 * scale[:, None] * scale for c in calibrations])
@@ -91,8 +82,8 @@ class Estimates:
     def disagreement(self, members: IntArray) -> Array:
         """Disagreement (c,) of all calibrations with the `members` (indices) of other contributors.
 
-        Up to 1 a calibration agrees. Where the members have one contributor, each calibration counts as one.
-        Infinite where there is no other.
+        Up to 1 a calibration agrees. If the members have one contributor, each calibration counts as one.
+        Infinite if there is no other.
         """
         numbers, part = np.unique(self.owner[members], return_inverse=True)
         if len(numbers) == 1 < len(members):
@@ -110,7 +101,7 @@ class Estimates:
         total[alone] = np.eye(total.shape[1])
         others = symmetric_inverse(total)
         ratio, distance = self._ratios(np.einsum("cpq,cq->cp", others, pull), others)
-        expected = self._expected_distances(distance, members)
+        expected = self._expected_distances(distance, members, part)
         out = np.maximum(ratio / MAX_PREDICTIVE_RATIO, distance / (MAX_DISTANCE_RATIO * expected))
         return np.where(alone, np.inf, out)
 
@@ -131,12 +122,11 @@ class Estimates:
         distance = np.sum(np.einsum("cpq,cp->cq", whitening(total), d) ** 2, axis=1) / d.shape[1]
         return increase / np.maximum(expected, 1e-300), distance
 
-    def _expected_distances(self, distance: Array, members: IntArray) -> Array:
-        """Expected distance ratio (c,) given the spread that the other members' specimens show, at least 1.
+    def _expected_distances(self, distance: Array, members: IntArray, part: IntArray) -> Array:
+        """Expected distance ratio (c,) given the spread of the other members' specimens, at least 1.
 
         Their variance / that of SPECIMEN_SPREAD_WIDTHS counts as far as specimens are part of the covariance.
-        `distance` (c,): distance ratios, from which the share that noise explains is taken off. Each
-        contributor counts once, and the median decides: a distant minority is not a spread.
+        Each contributor counts once, and the median decides: a distant minority is not a spread.
         """
         size = self.y.shape[1]
         own_share = (
@@ -144,7 +134,7 @@ class Estimates:
         )
         excess = (distance - (1 - own_share)) * size / SPECIMEN_DIRECTIONS
         excess = np.clip(excess, 0, MAX_SPREAD_RATIO * own_share)
-        numbers, part = np.unique(self.owner[members], return_inverse=True)
+        numbers = np.unique(self.owner[members])
         count = np.bincount(part)
         excess = np.bincount(part, excess[members]) / count
         share = np.bincount(part, own_share[members]) / count
@@ -183,11 +173,20 @@ class Estimates:
         return weights
 
 
-def split_into_groups(estimates: Estimates, weights: Array) -> list[list[int]]:
-    """Split calibrations into groups in which each agrees with the others, the heaviest first.
+def scaled_metric(camera: Camera, least: float) -> tuple[Array, Array]:
+    """Changes (p,) of the intrinsics that move the image by 1 px rms, and the error metric (p, p) over them.
 
-    `weights` (c,): weights of the calibrations in sizes.
+    Every parameter counts as if it moved the image by at least the share `least`.
     """
+    model, k = models.get(camera.model), camera.intrinsics
+    d = projection_jacobian_rotation_free(model, k, camera.img_size, COMPARISON_GRID)
+    metric = image_error_metric(d)
+    scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
+    return scale, metric * scale[:, None] * scale + least * np.eye(len(k))
+
+
+def split_into_groups(estimates: Estimates, weights: Array) -> list[list[int]]:
+    """Groups in which each calibration agrees with the others, the heaviest by `weights` (c,) first."""
     pairwise = estimates.pairwise()
     agree = np.maximum(pairwise, pairwise.T) <= MAX_NEIGHBOUR_DISAGREEMENT
     left, groups = np.arange(len(weights)), []
@@ -199,7 +198,7 @@ def split_into_groups(estimates: Estimates, weights: Array) -> list[list[int]]:
 
 
 def _largest_group(estimates: Estimates, among: IntArray, agree: Mask, weights: Array) -> IntArray:
-    """Heaviest group among calibrations (indices), the one that agrees best of equals."""
+    """Heaviest group among calibrations (indices); of equals the one that agrees best."""
     near = agree[np.ix_(among, among)] | np.eye(len(among), dtype=bool)
     sizes = np.round(near @ weights[among], 9)
     starts: dict[tuple[int, ...], None] = {}
@@ -214,7 +213,7 @@ def _largest_group(estimates: Estimates, among: IntArray, agree: Mask, weights: 
 def settle(estimates: Estimates, start: IntArray, among: IntArray) -> IntArray:
     """Let a group take in and drop calibrations `among` all (indices) until each agrees with the others.
 
-    Where that never comes to rest, those that agree least are dropped one by one.
+    If that never comes to rest, those that agree least are dropped one by one.
     """
     group = start
     for _ in range(MAX_ROUNDS):
@@ -234,7 +233,6 @@ def settle(estimates: Estimates, start: IntArray, among: IntArray) -> IntArray:
 
 
 def _discord(estimates: Estimates, group: IntArray) -> float:
-    """Mean disagreement of a group's members; 0 of a single one."""
     return float(np.mean(estimates.disagreement(group)[group])) if len(group) > 1 else 0.0
 
 
@@ -244,7 +242,7 @@ def _total(weights: Array) -> float:
 
 
 def compare(calibrations: Sequence[Calibration]) -> Array:
-    """Compute the differences (c, c) between the projections of calibrations, as `differences` does."""
+    """Differences of calibrations as `differences`."""
     return differences([c.camera for c in calibrations])
 
 
@@ -254,11 +252,10 @@ def difference(one: Camera, other: Camera) -> float:
 
 
 def differences(cameras: Sequence[Camera]) -> Array:
-    """Compute the differences (c, c) between projections of cameras of one image size, px rms over the image.
+    """Differences (c, c) between projections of cameras of one image size, px rms over the image.
 
-    The rays of the same pixels are aligned by the best rotation (Kabsch 1976): every pose absorbs a rotation.
-    The difference is the remaining angle times the local magnification. Infinite where two cameras share less
-    than half of the image.
+    After the best rotation (Kabsch 1976), which every pose absorbs: the remaining angle times the local
+    magnification. Infinite if two cameras share less than half of the image.
     """
     q = pixel_grid(cameras[0].img_size, COMPARISON_GRID).reshape(2, -1)
     sampled = [_rays(camera, q) for camera in cameras]
@@ -279,7 +276,7 @@ def differences(cameras: Sequence[Camera]) -> Array:
 
 
 def _rays(camera: Camera, q: Array) -> tuple[Array, Array]:
-    """Compute unit rays (n, 3) of pixels and magnification (n,), px per radian; 0 where there is no ray."""
+    """Unit rays (n, 3) of pixels, and magnification (n,), px per radian; 0 where there is no ray."""
     model, k = models.get(camera.model), camera.intrinsics
     v = model.unproject(k, q)
     with np.errstate(all="ignore"):

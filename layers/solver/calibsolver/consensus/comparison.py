@@ -13,7 +13,7 @@ from ..view import View
 from .agreement import difference
 
 MAX_RMS_RATIO = 1.5
-"""Error under the calibration / error under a camera fitted to the views, up to which it fits."""
+"""Error under the calibration / under a camera fitted to the views, up to which it fits."""
 MAX_EXCESS_WIDTHS = 0.15 / 1280
 """Excess of the one over the other / image width up to which it fits as well."""
 
@@ -29,10 +29,9 @@ class Comparison:
     error, expected
         px rms of the views under it, and under a camera fitted to them; infinite if it explains none.
     drift
-        px rms over the picture between the projections of the two cameras, the best rotation removed;
-        infinite if they share less than half of the picture.
+        px rms over the picture between the projections of the two cameras, see `difference`.
     drift_uncertainty
-        px rms, standard deviation of the projections of the fit of these views.
+        px rms, standard deviation of the projections of the fit.
     views
         Number of views that count.
     """
@@ -47,9 +46,9 @@ class Comparison:
 
 @undetermined()
 def compare(camera: Camera, views: Sequence[View]) -> Comparison:
-    """Compare a camera with a fit of `views` in its model. Raises CalibrationError as `fit` does.
+    """Compare a camera with a fit of `views` in its model; raises CalibrationError as `fit` does.
 
-    Both errors are those of the board in the shape that the fit finds.
+    Both errors are of the board in the shape that the fit finds.
     """
     own = fit(views, camera.img_size, camera.model)
     used = [

@@ -1,4 +1,4 @@
-"""Cache of fits to members' views: a new calibration repools a camera whose other members are unchanged."""
+"""Cache of fits to members' views, for cameras whose other members are unchanged."""
 
 import hashlib
 from collections import OrderedDict
@@ -19,10 +19,7 @@ _lock = Lock()
 
 
 def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
-    """Fit a model and the board's shape to a member's views, or recall that of the same points.
-
-    Raises as `fit` does.
-    """
+    """Fit a model and the board's shape, or recall that of the same points; raises as `fit` does."""
     key = _digest(views), img_size, model
     with _lock:
         if key in _fits:
@@ -37,18 +34,17 @@ def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Ca
 
 
 def cached_points() -> int:
-    """Return the number of points of all fits in the cache."""
+    """Number of points of all fits in the cache."""
     return sum(len(residuals) for one in _fits.values() for residuals in one.residuals)
 
 
 def forget() -> None:
-    """Forget all fits, as a process that has just started."""
+    """Forget all fits."""
     with _lock:
         _fits.clear()
 
 
 def _digest(views: Sequence[View]) -> bytes:
-    """Digest of all points, view by view."""
     digest = hashlib.sha256()
     for view in views:
         digest.update(len(view).to_bytes(8, "big") + bytes([view.flat]))

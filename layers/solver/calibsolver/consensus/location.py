@@ -1,10 +1,9 @@
 """Location of a camera's contributors: the camera in the middle of theirs, and the influence of two on it.
 
-The views of every contributor are worth no more than those of the median one, whatever the number of points.
-And every contributor has a specimen of their own, which deviates from the location by MIN_SPREAD_WIDTHS at
-least, which bounds the weight of a contributor in every direction (random effects). Deviations have
-Huber's loss (Huber 1964): a contributor farther away than HUBER_WIDTHS pulls no harder. The location is the
-minimum of a convex function, so there is one.
+The views of a contributor are worth no more than those of the median one, however many points they have.
+Every contributor has a specimen of their own, at least MIN_SPREAD_WIDTHS from the location, which bounds
+their weight in every direction (random effects). Deviations have Huber's loss (Huber 1964). The location is
+the minimum of a convex function, so there is one.
 """
 
 import itertools
@@ -23,37 +22,31 @@ from ..fitting.levenberg_marquardt import residual_rows
 from ..fitting.normal_equations import residual_jacobian
 from ..fitting.observations import Observations
 from ..fitting.resection import MIN_POSE_POINTS
-from ..fitting.uncertainty import image_error_metric, projection_jacobian_rotation_free
 from ..view import View
-from .agreement import COMPARISON_GRID
+from .agreement import scaled_metric
 
 MIN_SPREAD_WIDTHS = 0.42 / 1280
 """Standard deviation between specimens, rms over the image / image width: 0.1 % of the focal length."""
 HUBER_WIDTHS = 0.75 / 1280
-"""Deviation of a specimen from the location, px rms over the image / image width, beyond which it pulls no
-harder: what 0.18 % of the focal length are, and specimens of one product differ by 0.1 to 0.4 %."""
+"""Deviation of a specimen from the location, px rms over the image / image width, beyond which it pulls
+no harder: 0.18 % of the focal length. Specimens of one product differ by 0.1 to 0.4 %."""
 MAX_IRLS_ITERATIONS = 100
-"""Iterations of the M-estimate."""
 IRLS_TOLERANCE_PX = 1e-5
-"""Step, px rms over the image, below which the M-estimate has settled."""
-MIN_METRIC = 1e-6
-"""Share by which every parameter moves the image at least: invisible directions must not be singular."""
+MIN_IMAGE_SHARE = 1e-6
 MAX_VIEW_POINTS = 150
-"""Points of a view that are linearized; the others are as many more of the same."""
 MAX_LINEARIZATIONS = 5
 STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
 """Shares of a step that are tried, and the growth of the cost up to which one is taken."""
 MAX_LINEAR_STEP_WIDTHS = 0.05 / 1280
 """Step / image width, rms over the image, from which the views are linearized again."""
 MAX_EXACT_CONTRIBUTORS = 8
-"""Contributors, those with most influence, of whom each two are left out and everything is decided again."""
 
 
 @dataclass(frozen=True, eq=False)
 class Member:
     """Views of one calibration of the camera, with the ids of the calibration and of its contributor.
 
-    Contributors of different families may be the same: where they are counted, one family counts.
+    Contributors of different families may be the same: only one family is counted.
     """
 
     id: str
@@ -64,18 +57,10 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Location:
-    """Location of contributors.
+    """Location of contributors: y (p,) intrinsics less the reference's, over `Contributions.scale`.
 
-    Attributes
-    ----------
-    y
-        (p,) intrinsics less the reference's, over `Contributions.scale`.
-    numbers
-        (c,) numbers of the contributors that have part in it.
-    weights
-        (c,) Huber weights, at most 1.
-    deviations
-        (c, p) deviations of the contributors' specimens, as `y`.
+    Also numbers (c,) of the contributors that have part in it, their Huber weights (c,), at most 1, and the
+    deviations (c, p) of their specimens, as `y`.
     """
 
     y: Array
@@ -95,12 +80,7 @@ class FittedMember:
 class Contributions:
     """Views of one camera's calibrations, linearized about common intrinsics, by contributor.
 
-    Parameters
-    ----------
-    fitted
-        The c calibrations, all of one model and image size.
-    camera
-        Camera of the linearization, near all agreeing ones.
+    The c calibrations are of one model and image size, `camera` is near all agreeing ones.
     """
 
     def __init__(self, fitted: Sequence[FittedMember], camera: Camera) -> None:
@@ -109,15 +89,9 @@ class Contributions:
         self.model = models.get(camera.model)
         width = camera.img_size[0]
         self.huber_px = HUBER_WIDTHS * width
-        contributors = [f.member.contributor for f in fitted]
-        numbers = {name: i for i, name in enumerate(dict.fromkeys(contributors))}  # by members, not by name
-        self.owner: IntArray = np.array([numbers[name] for name in contributors], dtype=np.int64)
+        self.owner = number_owners([f.member.contributor for f in fitted])
         k = camera.intrinsics
-        d = projection_jacobian_rotation_free(self.model, k, camera.img_size, COMPARISON_GRID)
-        metric = image_error_metric(d)
-        self.scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
-        """(p,) change of each parameter that moves the image by 1 px rms."""
-        self.metric: Array = metric * self.scale[:, None] * self.scale + MIN_METRIC * np.eye(len(k))
+        self.scale, self.metric = scaled_metric(camera, MIN_IMAGE_SHARE)
         self.between = self.metric / (MIN_SPREAD_WIDTHS * width) ** 2
         with np.errstate(all="ignore"):  # calibrations that do not belong here
             linear = [self._linearize(f) for f in fitted]
@@ -134,14 +108,12 @@ class Contributions:
         self.prior = (j * self.scale).T @ (j * self.scale), -(j * self.scale).T @ r
 
     def _scale_covariance(self, covariance: Array) -> Array:
-        """Covariance (p, p) of scaled intrinsics."""
         return covariance / self.scale[:, None] / self.scale
 
     def _linearize(self, f: FittedMember) -> tuple[Array, Array, float]:
         """Information (p, p) of a calibration's inliers, poses eliminated, half its descent (p,), and cost.
 
-        The noise is what the calibration's covariance says, be it more than that of the corners. Of views
-        with many points some suffice, because specimens differ by more than their errors.
+        The noise is that of the calibration's covariance, at least that of the corners.
         """
         pairs = zip(f.member.views, f.calibration.used, strict=True)
         chosen = [thin(view, mask) for view, mask in pairs if mask.sum() >= MIN_POSE_POINTS]
@@ -186,19 +158,20 @@ class Contributions:
         y = np.zeros(len(self.scale))
         known, believed = self.prior
         for _ in range(MAX_IRLS_ITERATIONS):
-            total = s + weights[:, None, None] * self.between
-            gain = weights[:, None, None] * self.between @ symmetric_inverse(total)
+            weighed = weights[:, None, None] * self.between
+            inverse = symmetric_inverse(s + weighed)
+            gain = weighed @ inverse
             pull = np.einsum("cpq,cq->p", gain, b - s @ y) + believed - known @ y
             step = symmetric_inverse(np.sum(gain @ s, axis=0) + known) @ pull
             y = y + step
-            deviations = self._deviations(s, b, y, weights)
+            deviations = np.einsum("cpq,cq->cp", inverse, b - s @ y)
             previous, weights = weights, self.huber_px / np.maximum(self.length(deviations), self.huber_px)
             if self.length(step) < IRLS_TOLERANCE_PX and np.abs(weights - previous).max() < IRLS_TOLERANCE_PX:
                 break
         return Location(y, numbers, weights, deviations)
 
     def _by_contributor(self, members: Sequence[int] | IntArray) -> tuple[IntArray, Array, Array]:
-        """Add up information (c, p, p) and gradients (c, p) by contributor, bounded by the median one's."""
+        """Sum information (c, p, p) and gradients (c, p) by contributor, bounded by the median one's."""
         chosen = np.asarray(members, dtype=np.intp)
         numbers, part = np.unique(self.owner[chosen], return_inverse=True)
         s = np.zeros((len(numbers), *self.metric.shape))
@@ -209,12 +182,6 @@ class Contributions:
         share = np.minimum(1.0, np.sort(precision)[(len(precision) - 1) // 2] / precision)
         s, b = s * share[:, None, None], b * share[:, None]
         return np.asarray(numbers, dtype=np.int64), s, b
-
-    def _deviations(self, s: Array, b: Array, y: Array, weights: Array) -> Array:
-        """Most probable deviations (c, p) of specimens from the location y (p,)."""
-        inverse = symmetric_inverse(s + weights[:, None, None] * self.between)
-        out: Array = np.einsum("cpq,cq->cp", inverse, b - s @ y)
-        return out
 
     def length(self, y: Array) -> Array:
         """Length (...) of scaled intrinsics (..., p): px rms over the image."""
@@ -231,8 +198,7 @@ class Contributions:
     def covariance(self, members: Sequence[int], location: Location) -> Array:
         """Covariance (p, p) of the intrinsics at a location.
 
-        It holds the noise of the corners, and the differences between contributors beyond what noise explains
-        (method of moments), with contributors as clusters.
+        By the noise of the corners, and the differences between contributors beyond it (method of moments).
         """
         _, s, b = self._by_contributor(members)
         w = location.weights[:, None, None]
@@ -249,38 +215,40 @@ class Contributions:
         return out
 
     def majority_spread(self, members: Sequence[int]) -> float:
-        """Compute the standard deviation, px rms, of the majority of specimens nearest to the location."""
+        """Standard deviation, px rms, of the majority of specimens nearest to the location."""
         away = np.sort(self.length(self.locate(members).deviations))
         majority = away[: len(away) // 2 + 1]
         return float(np.sqrt(np.sum(majority**2) / max(len(majority) - 1, 1)))
 
-    def leave_out_influence(
-        self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]
-    ) -> tuple[float, float]:
-        """Largest shifts of the location of `group` when one, and when two contributors are left out, px rms.
+    def leave_out_influence(self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]) -> float:
+        """Largest shift of the location of `group` when one or two contributors are left out, px rms.
 
-        `regroup` decides again which of the remaining calibrations (indices) agree with those of the group.
-        Infinite if no contributor is left. Of many contributors those with most influence are left out.
+        `regroup` decides again which of the remaining calibrations (indices) agree. Infinite if no
+        contributor is left. Of many contributors those with most influence are left out.
         """
         whole = self.locate(group)
         if len(whole.numbers) < 3:
-            return np.inf, np.inf
+            return np.inf
         pull = self.length(whole.deviations) * whole.weights
         candidates = whole.numbers[np.argsort(-pull, kind="stable")][:MAX_EXACT_CONTRIBUTORS]
-        one, two = 0.0, 0.0
+        largest = 0.0
         members = np.arange(len(self.owner))
         for left_out in itertools.chain(
             itertools.combinations(candidates, 1), itertools.combinations(candidates, 2)
         ):
             rest = members[~np.isin(self.owner, left_out)]
-            shift = float(self.length(self.locate(regroup(rest)).y - whole.y))
-            one = max(one, shift) if len(left_out) == 1 else one
-            two = max(two, shift)
-        return one, two
+            largest = max(largest, float(self.length(self.locate(regroup(rest)).y - whole.y)))
+        return largest
+
+
+def number_owners(names: Sequence[str]) -> IntArray:
+    """Numbers (c,) of names, in the order of their first occurrence, so that no result depends on a name."""
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    return np.array([numbers[name] for name in names], dtype=np.int64)
 
 
 def thin(view: View, used: Mask) -> tuple[View, float]:
-    """Select at most MAX_VIEW_POINTS of the points used, evenly; and how many each stands for."""
+    """At most MAX_VIEW_POINTS of the points used, evenly chosen, and how many each stands for."""
     chosen = np.flatnonzero(used)
     count = len(chosen)
     if count > MAX_VIEW_POINTS:

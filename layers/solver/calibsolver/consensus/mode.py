@@ -10,20 +10,17 @@ from ..fitting.resection import reprojection_score
 from ..view import View
 
 NOISE_FLOOR_WIDTHS = 1e-4
-"""Error / image width below which differences mean nothing."""
 MAX_SPECIMEN_WIDTHS = 2e-3
 """Error of views / image width that another specimen of the product may have, besides their noise."""
 MIN_CONTRAST = 2.0
-"""Error under the second best camera / error under the best, from which the best is the one."""
+"""Error under the second best camera / under the best, from which the best is the one."""
 
 
 @undetermined()
 def fitting_camera(cameras: Sequence[Camera], views: Sequence[View], model: str) -> int | None:
-    """Return the index of the one camera that took the views; None if none did, or if several may have.
+    """Index of the one camera that took the views; None if none did, or if several may have.
 
-    `model`: camera model of the fit that estimates the noise of the views.
-
-    Raises CalibrationError as `fit` does.
+    A fit of `model` estimates the noise of the views; raises CalibrationError as `fit` does.
     """
     if len(cameras) < 2:
         return None
@@ -38,7 +35,6 @@ def fitting_camera(cameras: Sequence[Camera], views: Sequence[View], model: str)
 
 
 def _error(camera: Camera, views: Sequence[View]) -> float:
-    """Error of the views, px rms; infinite where the camera cannot have taken them."""
     try:
         return reprojection_score(camera, views).rms
     except CalibrationError:

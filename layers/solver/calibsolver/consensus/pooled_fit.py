@@ -1,10 +1,10 @@
 """Pooled fit of calibrations that agree: to all views, or to the location of their contributors."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ..arrays import Array, IntArray, frozen, symmetric_inverse
+from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
@@ -14,7 +14,6 @@ from ..rotation import matrix
 from .location import Contributions, FittedMember
 
 FOLDS = 5
-"""Parts of a group that are left out in turn."""
 
 
 def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: str) -> Calibration:
@@ -25,7 +24,7 @@ def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: s
 
 
 def fit_location(group: Sequence[int], of: Contributions) -> Calibration:
-    """Describe the camera at the location of a group's contributors, which is the pooled fit."""
+    """Pooled fit: the camera at the location of a group's contributors."""
     location = of.locate(group)
     return describe(of.camera_at(location), [of.fitted[i] for i in group], of.covariance(group, location))
 
@@ -65,43 +64,45 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
 
 
 def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:
-    """Rms (m,), px, of each member's views under intrinsics fitted without it; only poses are fitted.
+    """Rms (m,), px, of each member's views under intrinsics fitted without it, from the `pooled` camera.
 
-    At most FOLDS fits, each from where that of all, `pooled`, ended: with a member up to a fifth of the group
-    is left out, so that a large group takes no longer. Infinite where the others alone give no fit.
+    In at most FOLDS fits, so that a large group takes no longer. Infinite if the others give no fit.
     """
-    errors = np.full(len(group), np.inf)
     views = [view for f in group for view in f.member.views]
     owner = np.repeat(np.arange(len(group)), [len(f.member.views) for f in group])
     poses = reprojection_score(pooled, views).poses
-    for fold in range(min(FOLDS, len(group))):
-        held_out = range(fold, len(group), FOLDS)
-        others = np.flatnonzero(~np.isin(owner, held_out))
-        try:
-            camera = refine([views[i] for i in others], pooled, poses[others]).camera
-        except CalibrationError:
-            continue
-        for i in held_out:
-            errors[i] = reprojection_score(camera, group[i].member.views).rms
-    return errors
+
+    def fit_without(out: Mask) -> Camera:
+        others = np.flatnonzero(~out[owner])
+        return refine([views[i] for i in others], pooled, poses[others]).camera
+
+    return _held_out_errors(group, np.arange(len(group)), fit_without)
 
 
 def cross_validate_contributors(group: Sequence[int], of: Contributions) -> Array:
-    """Rms (m,), px, of each member's views under the location of the other contributors, as above.
+    """Rms (m,), px, of each member's views under the location of other contributors.
 
-    With a contributor up to a fifth of them is left out; of a single one, its calibrations in turn.
+    Of a single contributor, its calibrations are left out in turn.
     """
     members: IntArray = np.asarray(group, dtype=np.int64)
     numbers, part = np.unique(of.owner[members], return_inverse=True)
     if len(numbers) < 2:
         part = np.arange(len(members))
-    errors = np.full(len(members), np.inf)
+    return _held_out_errors(
+        [of.fitted[i] for i in group], part, lambda out: of.camera_at(of.locate(members[~out]))
+    )
+
+
+def _held_out_errors(
+    group: Sequence[FittedMember], part: IntArray, fit_without: Callable[[Mask], Camera]
+) -> Array:
+    errors = np.full(len(group), np.inf)
     for fold in range(min(FOLDS, int(part.max()) + 1)):
         out = part % FOLDS == fold
         try:
-            camera = of.camera_at(of.locate(members[~out]))
+            camera = fit_without(out)
         except CalibrationError:
             continue
-        for i in np.flatnonzero(out):
-            errors[i] = reprojection_score(camera, of.fitted[members[i]].member.views).rms
+        for i in np.flatnonzero(out).tolist():
+            errors[i] = reprojection_score(camera, group[i].member.views).rms
     return errors

@@ -17,7 +17,7 @@ from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
 from .agreement import Estimates, compare, settle, split_into_groups
 from .fit_memory import fit_once
-from .location import Contributions, FittedMember, Member
+from .location import Contributions, FittedMember, Member, number_owners
 from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
 
 __all__ = ["Consensus", "Member", "Rule", "pool"]
@@ -25,13 +25,12 @@ __all__ = ["Consensus", "Member", "Rule", "pool"]
 UnreliableReason = Literal["too_few", "disagree", "few_contributors", "imprecise"]
 
 MAX_STATED_WIDTHS = 1.5 / 1280
-"""Error / image width that a reliable consensus states at most, where its boards have been."""
+"""Largest error / image width of a reliable consensus where its boards have been."""
 MIN_INFLUENCE_LIMIT_WIDTHS = 0.5 / 1280
 """Shift of the answer / image width that two contributors may cause, however much they differ."""
 MAX_INFLUENCE_WIDTHS = 1 / 1280
-"""Shift of the answer / image width that two contributors may cause at most."""
 MAX_INFLUENCE_ON_FIVE_WIDTHS = 1.25 / 1280
-"""The same where there are no more than five contributors."""
+"""Shift of the answer / image width that two contributors may cause at most, of many and of up to five."""
 INFLUENCE_PER_SPREAD = 3.5
 """Shift that two contributors may cause / spread of the densest majority, between those limits."""
 
@@ -45,12 +44,11 @@ class Rule:
     min_calibrations, min_contributors
         Minimum numbers in the largest agreeing group.
     min_share
-        Share of all calibrations in this group. If contributors are distinguished (`min_contributors`
-        of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and
-        in this share; and no contributor has more calibrations in the pooled fit than half of the others.
+        Share of all calibrations in this group. If contributors are distinguished (`min_contributors` of 2 or
+        more) each of them weighs the same in majorities and in this share.
     max_unexplained
-        A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
-        fit by this / image width.
+        Rms of a member's views, its poses fitted to the others' intrinsics, above that of its own fit / image
+        width.
     """
 
     min_calibrations: int = 5
@@ -73,26 +71,22 @@ class Consensus:
         Ids of the group, in the order given.
     contributors
         Number of different contributors in the group, of the largest family.
-    reliable
-        True if the rule holds.
+    reliable, reason
+        True if the rule is met, or the reason why not.
     total
         Number of all calibrations.
-    reason
-        Why it is not reliable; None if it is.
     consistent
-        True if the rule would hold if one calibration were enough.
+        True if the rule would be met if one calibration were enough.
     groups
         Ids of the members of every group that agrees, largest first: modes of the camera, or mistakes.
     dropped
-        Members whose views the model cannot be fitted to: id -> code of the `CalibrationError`.
+        Members that cannot be fitted: id -> code of the `CalibrationError`.
     spread
-        px, root mean square over the image and over the group of the difference between a member's own
-        projections and the pooled ones, after the best rotation; NaN where there is one member.
+        px rms over the image and the group, of the members' own projections from the pooled ones.
     member_errors
-        px rms of the views of each of the group under intrinsics fitted to the others, by id; empty where
-        there are no others.
+        px rms of the views of each of the group under intrinsics fitted to the others, by id.
     held_out_error
-        px, root mean square of those over all points; NaN where there are no others.
+        px rms of those over all points. It and `spread` are NaN of one member.
     """
 
     calibration: Calibration
@@ -116,7 +110,7 @@ def pool(
 ) -> Consensus:
     """Pool the calibrations of one camera.
 
-    Raises CalibrationError (``no_members``, or what `fit` raises) where nothing believable comes out.
+    Raises CalibrationError ``no_members``, or as `fit` does if no member can be fitted.
     """
     rule = rule or Rule()
     fits: list[FittedMember] = []
@@ -145,7 +139,7 @@ def pool(
     coverage = Coverage.of(pooled, [view for f in group for view in f.member.views])
     any_number = replace(rule, min_calibrations=1)
     reason, remaining = (
-        unreliable_reason(group, errors, members, coverage, img_size, r, is_stable=is_stable)
+        unreliable_reason(group, errors, members, coverage, r, is_stable=is_stable)
         for r in (rule, any_number)
     )
     return Consensus(
@@ -159,14 +153,14 @@ def pool(
         consistent=remaining is None,
         groups=tuple(tuple(fits[i].member.id for i in part) for part in agreement.groups),
         dropped=dropped,
-        spread=rms_spread(pooled, group, shares) if len(group) > 1 else math.nan,
+        spread=_weighted_rms(compare([pooled, *(f.calibration for f in group)])[0, 1:], shares),
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
-        held_out_error=float(np.sqrt(np.average(errors**2, weights=shares))) if len(group) > 1 else math.nan,
+        held_out_error=_weighted_rms(errors, shares),
     )
 
 
 def _fit_member(member: Member, img_size: tuple[int, int], model: str) -> FittedMember:
-    """Fit a member's views, which then show its own board in its own shape; raises as `fit` does."""
+    """Fit a member's views, which then show its board in its shape; raises as `fit` does."""
     views = without_degenerate_views(member.views, img_size)
     calibration = fit_once(views, img_size, model)
     shaped = tuple(calibration.shaped(views))
@@ -175,10 +169,7 @@ def _fit_member(member: Member, img_size: tuple[int, int], model: str) -> Fitted
 
 
 def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -> tuple[View, ...]:
-    """Set aside the views whose points lie on a line or in one place.
-
-    Raises CalibrationError as `fit` does, ``degenerate`` where no view is left.
-    """
+    """Set aside degenerate views; raises as `fit` does, ``degenerate`` if none is left."""
     degenerate = degenerate_views(pack(views, img_size))
     if degenerate.all():
         check(views, img_size)  # raises
@@ -188,7 +179,7 @@ def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -
 def locate_contributors(
     indices: Sequence[int], agreement: "_Agreement"
 ) -> tuple[Calibration, Array, bool] | None:
-    """Fit the location of the contributors of a group: calibration, held-out errors (m,), and stability.
+    """Calibration at the location of a group's contributors, held-out errors (m,), and stability.
 
     None if the views do not determine a common camera.
     """
@@ -203,10 +194,10 @@ def locate_contributors(
     if not pooled.avg_reprojection_error < own + agreement.rule.max_unexplained * width:
         return None
     errors = cross_validate_contributors(indices, contributions)
-    one, two = contributions.leave_out_influence(indices, agreement.regroup)
+    influence = contributions.leave_out_influence(indices, agreement.regroup)
     contributors = len({f.member.contributor for f in group})
     spread = contributions.majority_spread(indices)
-    return pooled, errors, max(one, two) <= max_influence(contributors, spread, width)
+    return pooled, errors, influence <= max_influence(contributors, spread, width)
 
 
 class _Agreement:
@@ -216,32 +207,26 @@ class _Agreement:
         self.fits = fits
         self.rule = rule
         calibrations = [f.calibration for f in fits]
-        names = [f.member.contributor if rule.min_contributors > 1 else f.member.id for f in fits]
-        numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
-        owner = np.array([numbers[name] for name in names], dtype=np.int64)
+        owner = number_owners(
+            [f.member.contributor if rule.min_contributors > 1 else f.member.id for f in fits]
+        )
         self.estimates = Estimates.of(calibrations, owner, calibrations[medoid(calibrations)].camera)
         self.groups = split_into_groups(self.estimates, _weights(fits, rule))
-
-    @cached_property
-    def reference(self) -> int:
-        """Index of the member in the middle of the largest group."""
-        group = self.groups[0]
-        return group[medoid([self.fits[i].calibration for i in group])]
 
     @cached_property
     def contributions(self) -> Contributions:
         """Members' views, linearized about the location of the largest group."""
         group = self.groups[0]
+        members = [self.fits[i] for i in group]
+        camera = members[medoid([f.calibration for f in members])].calibration.camera
         try:
-            start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
-            result = start.relinearize(group)
+            result = Contributions(self.fits, camera).relinearize(group)
         except CalibrationError:
             result = None
         if result is not None and result.length(result.locate(group).y) < result.huber_px:
             return result
         # One calibration may lie far along a valley of the model; all of them together do not.
-        camera = self.fits[self.reference].calibration.camera
-        pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)
+        pooled = fit_views(members, camera.img_size, camera.model)
         return Contributions(self.fits, pooled.camera).relinearize(group)
 
     def regroup(self, indices: IntArray) -> IntArray:
@@ -260,21 +245,14 @@ def unreliable_reason(
     errors: Array,
     members: Sequence[Member],
     coverage: Coverage,
-    img_size: tuple[int, int],
     rule: Rule,
     *,
     is_stable: bool,
 ) -> UnreliableReason | None:
     """Reason why the group among all `members` is not reliable; None if it is.
 
-    Parameters
-    ----------
-    errors
-        (m,) px rms of the group's members, each held out; empty where the group is one member.
-    coverage
-        Part of the image that the group has shown.
-    is_stable
-        True if no two contributors move the result by more than allowed.
+    `errors` (m,) are px rms of the held-out members, `is_stable` if two contributors move the result by no
+    more than allowed.
     """
     if len(members) < rule.min_calibrations:
         return "too_few"
@@ -282,18 +260,19 @@ def unreliable_reason(
     share = sum(weights[f.member.id] for f in group) / sum(weights.values())
     if len(group) < rule.min_calibrations or share < rule.min_share - 1e-9:
         return "disagree"
+    width = group[0].calibration.camera.img_size[0]
     own = np.array([f.calibration.avg_reprojection_error for f in group])
-    if len(group) > 1 and (errors > own + rule.max_unexplained * img_size[0]).any():
+    if len(group) > 1 and (errors > own + rule.max_unexplained * width).any():
         return "disagree"
     if count_contributors(group) < rule.min_contributors:
         return "few_contributors"
-    if not coverage.rms <= MAX_STATED_WIDTHS * img_size[0]:
+    if not coverage.rms <= MAX_STATED_WIDTHS * width:
         return "imprecise"
     return None if is_stable else "disagree"
 
 
 def count_contributors(group: Sequence[FittedMember]) -> int:
-    """Count the contributors of a group, only those of the largest family."""
+    """Number of a group's contributors of the largest family."""
     different = {(f.member.family, f.member.contributor) for f in group}
     return max(Counter(family for family, _ in different).values())
 
@@ -301,8 +280,8 @@ def count_contributors(group: Sequence[FittedMember]) -> int:
 def max_influence(contributors: int, spread: float, width: int) -> float:
     """Shift of the answer, px rms, that two of so many contributors may cause.
 
-    `spread`, px: standard deviation of their densest majority. Where they agree closely they determine the
-    camera so well that a larger shift is a mistake, or a lie.
+    If the densest majority, of standard deviation `spread` (px), agrees closely, a larger shift is a mistake,
+    or a lie.
     """
     most = MAX_INFLUENCE_ON_FIVE_WIDTHS if contributors <= 5 else MAX_INFLUENCE_WIDTHS
     return min(max(INFLUENCE_PER_SPREAD * spread, MIN_INFLUENCE_LIMIT_WIDTHS * width), most * width)
@@ -316,13 +295,11 @@ def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
     return {member.id: 1 / counts[member.contributor] for member in members}
 
 
+def _weighted_rms(errors: Array, weights: Array) -> float:
+    """Weighted root mean square; NaN of one member."""
+    return float(np.sqrt(np.average(errors**2, weights=weights))) if len(weights) > 1 else math.nan
+
+
 def _weights(fits: Sequence[FittedMember], rule: Rule) -> Array:
-    """Weights (m,) as of `member_weights`."""
     weights = member_weights([f.member for f in fits], rule)
     return np.array([weights[f.member.id] for f in fits])
-
-
-def rms_spread(pooled: Calibration, group: Sequence[FittedMember], weights: Array) -> float:
-    """Weighted root mean square of the differences of the members' projections from the pooled ones, px."""
-    away = compare([pooled, *(f.calibration for f in group)])[0, 1:]
-    return float(np.sqrt(np.average(away**2, weights=weights)))

@@ -17,18 +17,9 @@ from .validation import check, degenerate_views, pack
 
 @dataclass(frozen=True, eq=False)
 class Approximation:
-    """Camera near the optimum.
+    """Camera near the optimum, poses (v, 6) rvec|tvec, NaN of degenerate views, and noise, px per coordinate.
 
-    Attributes
-    ----------
-    camera
-        Model, intrinsics, image size.
-    poses
-        (v, 6) rvec|tvec, board -> camera; NaN of degenerate views.
-    noise
-        px, standard deviation of one coordinate of a corner, from the median residual.
-    cut_views
-        Reasons why views (by number) are left out: ``degenerate``, ``mirrored``, ``outlier``.
+    `cut_views`: reasons why views (by number) are left out, ``degenerate``, ``mirrored`` or ``outlier``.
     """
 
     camera: Camera
@@ -55,7 +46,7 @@ def approximate(
     mask = obs.mask & ~mirrored[usable][order.views][:, None]
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
         state = refit_without_gross_outliers(problem, MultiStart(problem, mask, start).run(), mask)
-        good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, img_size)
+        good = outliers.inlier_mask(state, mask, mask, img_size[0], outliers.GROSS_OUTLIER_SIGMAS)
         plausibility.check_result(problem, state, good, robust=True)
     poses = np.full((len(views), 6), np.nan)
     poses[usable] = order.back(state.poses.vectors())

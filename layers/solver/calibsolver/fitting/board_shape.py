@@ -1,9 +1,9 @@
 """Shape of a board that is not as drawn: a bend, and a print that stretched.
 
-A sheet of paper bends, and a printer feeds it a little too fast. Both are the same in all views of a capture,
-so enough views distinguish them from the lens: five parameters besides the intrinsics (Strobl & Hirzinger,
-"More accurate pinhole camera calibration with imperfect planar target", ICCV workshops 2011, free every point
-instead). Their variance is learnt (`mixed_model`), so that a flat board costs nothing.
+Paper bends, and printers stretch. Both are the same in all views of a capture, so enough views distinguish
+them from the lens by five parameters (Strobl & Hirzinger, "More accurate pinhole camera calibration with
+imperfect planar target", ICCV workshops 2011, free every point instead). Their variance is learnt
+(`mixed_model`), so that a flat board costs nothing.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,6 @@ from .systematic_effects import BEND_SIZE
 MAX_STRETCH = 0.01
 """Stretch that a printer may cause; a larger one is rather the lens or the shutter."""
 HEIGHT_GRID = np.linspace(-1, 1, 9)
-"""Places along each side of the board at which its height is looked up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +63,12 @@ class BoardShape:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "BoardShape":
-        """Shape of a record (`record`), without its covariance."""
+        """Shape of a `record`, without its covariance."""
         (x, y), (wide, high) = record["center"], record["reach"]
         return cls((x, y), record["half"], (wide, high), tuple(record["parameters"]))
 
     def record(self) -> dict[str, Any]:
-        """Parameters and frame as plain values: what `apply` needs."""
+        """Parameters and frame as plain values."""
         return {
             "center": list(self.center),
             "half": self.half,
@@ -90,22 +89,22 @@ class BoardShape:
     @property
     def sag(self) -> float:
         """Largest height over the plane that fits best / longer extent of the corners."""
-        return float(np.abs(self._off_plane @ self.parameters).max())
+        return self._largest(self._off_plane)[0]
 
     @property
     def sag_std(self) -> float:
         """Standard deviation of `sag`."""
-        return self._std(self._off_plane[int(np.argmax(np.abs(self._off_plane @ self.parameters)))])
+        return self._largest(self._off_plane)[1]
 
     @property
     def stretch(self) -> float:
         """Error of the print: the larger of stretch (width against height) and shear, as a share."""
-        return float(np.abs(self._print @ self.parameters).max())
+        return self._largest(self._print)[0]
 
     @property
     def stretch_std(self) -> float:
         """Standard deviation of `stretch`."""
-        return self._std(self._print[int(np.argmax(np.abs(self._print @ self.parameters)))])
+        return self._largest(self._print)[1]
 
     @property
     def stretch_kind(self) -> Literal["wider", "narrower", "skewed"]:
@@ -134,12 +133,15 @@ class BoardShape:
         """Derivatives (2, SHAPE_SIZE) of stretch and shear by the parameters."""
         return np.diag([0.0, 0.0, 0.0, 2.0, 1.0])[BEND_SIZE:]
 
-    def _std(self, gradient: Array) -> float:
+    def _largest(self, gradients: Array) -> tuple[float, float]:
+        """Largest number of these gradients (m, SHAPE_SIZE), and its standard deviation."""
+        numbers = np.abs(gradients @ self.parameters)
+        gradient = gradients[int(np.argmax(numbers))]
         variance = float(gradient @ self.covariance @ gradient)
-        return float(np.sqrt(max(variance, 0.0)))
+        return float(numbers.max()), float(np.sqrt(max(variance, 0.0)))
 
     def displacements(self, points: Array) -> Array:
-        """Differentiate points (3, ...), board frame, by the parameters: (SHAPE_SIZE, 3, ...)."""
+        """Derivatives (SHAPE_SIZE, 3, ...) of points (3, ...), board frame, by the parameters."""
         x = (points[0] - self.center[0]) / self.half
         y = (points[1] - self.center[1]) / self.half
         out = np.zeros((SHAPE_SIZE, *points.shape))
@@ -150,9 +152,8 @@ class BoardShape:
 
     def moved(self, points: Array) -> Array:
         """Points (3, ...), board frame, of the board in this shape."""
-        out: Array = points + np.tensordot(np.array(self.parameters), self.displacements(points), axes=1)
-        return out
+        return points + np.tensordot(np.array(self.parameters), self.displacements(points), axes=1)
 
     def apply(self, view: View) -> View:
-        """Return the view of the board in this shape."""
+        """View of the board in this shape."""
         return replace(view, object_points=self.moved(view.object_points.T).T)

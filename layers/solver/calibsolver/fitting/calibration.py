@@ -2,14 +2,14 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 from typing import Any
 
 import numpy as np
 
 from .. import models
-from ..arrays import Array, Mask
+from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..view import View
 from .board_shape import BoardShape
@@ -26,38 +26,33 @@ class Calibration:
 
     Attributes
     ----------
-    camera
-        Model, intrinsics, image size.
     poses
-        (v, 6) rvec|tvec, board -> camera, board units; NaN of a degenerate view, which has none.
+        (v, 6) rvec|tvec, board -> camera, board units; NaN of a degenerate view.
     avg_reprojection_error
-        px, root of the mean square distance over *all* points given, as cv2.calibrateCamera reports it; those
-        of degenerate views have no pose, and so no distance.
+        px, root of the mean square distance over *all* points, as cv2.calibrateCamera reports it, except
+        those of degenerate views.
     view_errors
-        (v,) px, the same for each view; NaN of a degenerate one.
+        (v,) px, the same for each view.
     covariance
-        (p, p) of (fx fy cx cy distortion...), from what the residuals of each view pull the intrinsics by
-        (`robust_covariance`), and from other optima that they allow (`focal_profile`).
+        (p, p) of (fx fy cx cy distortion...), see `robust_covariance` and `focal_profile`.
     information
-        (p, p) Fisher information of the intrinsics, with the prior: what white noise of the corners would
-        leave known. What a further view adds is compared with it. 0 in the directions that were fixed.
+        (p, p) Fisher information of the intrinsics at white noise, with the prior. 0 in fixed directions.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
+        px, standard deviation of one coordinate of a corner, of mean weight.
     inflation
-        Variance that the intrinsics see / variance that white noise of the corners gives them, >= 1: what is
-        systematic in the views.
+        Variance of the intrinsics / that under white noise of the corners, >= 1.
     residuals
         For each view (n, 2) px, observed minus projected; NaN of a point without a projection.
     used
-        For each view (n,) whether a point took part in the final fit.
+        For each view (n,) the points that took part in the final fit.
     prior_used
         True if the data were too few to go without the prior.
     cut_views
-        Views wholly left out of the fit: index -> why (``outlier``, ``mirrored``, ``degenerate``).
+        Views left out of the fit: index -> reason (``outlier``, ``mirrored``, ``degenerate``).
     board_shape
-        Bend and stretch of the board, which poses and residuals refer to; None: it was taken as drawn.
+        Bend and stretch of the board, which poses and residuals refer to; None: as drawn.
     fixed
-        Names of the parameters that were not estimated (`constraint`).
+        Names of the parameters that were not estimated.
     rivals
         Other models' cameras that explain the views as well (`quality.rivals`); None: not looked for.
     """
@@ -79,8 +74,30 @@ class Calibration:
     rivals: Rivals | None = None
 
     def shaped(self, views: Sequence[View]) -> list[View]:
-        """Return views of the same board in its shape."""
+        """Views of the same board in its shape."""
         return list(views) if self.board_shape is None else [self.board_shape.apply(v) for v in views]
+
+    def with_degenerate_views(self, views: Sequence[View], degenerate: Mask) -> "Calibration":
+        """Calibration of all `views`, from this one of those that are not `degenerate` (v,).
+
+        Points on a line have no pose, so pose and errors of degenerate views are NaN.
+        """
+        usable = np.flatnonzero(~degenerate)
+        poses, errors = np.full((len(views), 6), np.nan), np.full(len(views), np.nan)
+        poses[usable], errors[usable] = self.poses, self.view_errors
+        residuals: list[Array] = [np.full((len(view), 2), np.nan) for view in views]
+        used: list[Mask] = [np.zeros(len(view), dtype=bool) for view in views]
+        for i, vectors, inliers in zip(usable, self.residuals, self.used, strict=True):
+            residuals[i], used[i] = vectors, inliers
+        reasons = {int(usable[i]): reason for i, reason in self.cut_views.items()}
+        return replace(
+            self,
+            poses=frozen(poses),
+            view_errors=frozen(errors),
+            residuals=tuple(frozen(e) for e in residuals),
+            used=tuple(used),
+            cut_views=reasons | {int(i): "degenerate" for i in np.flatnonzero(degenerate)},
+        )
 
     @property
     def rms_inliers(self) -> float:
@@ -107,7 +124,6 @@ class Calibration:
         return f"<table>{''.join(cells)}</table>"
 
     def _facts(self) -> list[tuple[str, str]]:
-        """Names and texts of the intrinsics, then of what the fit used and leaves open."""
         camera, stated = self.camera, self.uncertainty()
         names = ("fx", "fy", "cx", "cy", *models.get(camera.model).coefficients)
         deviations = np.sqrt(np.maximum(np.diagonal(self.covariance), 0))
@@ -132,10 +148,9 @@ class Calibration:
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).
 
-        At the centre of each cell: root of the trace of the 2x2 covariance of the projection of the ray
-        seen there, to first order, with the rotation of the camera frame that fits best over the grid
-        removed. Outside the hull of the corners with the error if a rival is right, if there are any. NaN
-        outside the model's one-to-one domain.
+        At the centre of each cell: root of the trace of the 2x2 covariance of the projection, with the best
+        rotation of the camera frame over the grid removed. Outside the hull of the corners with the error if
+        a rival is right. NaN outside the model's one-to-one domain.
         """
         model = models.get(self.camera.model)
         d = projection_jacobian_rotation_free(model, self.camera.intrinsics, self.camera.img_size, grid)
@@ -157,7 +172,7 @@ class Calibration:
         return Uncertainty(float(np.sqrt(np.mean(seen**2))), float(np.nanmax(largest)), float(known.mean()))
 
     def record(self) -> dict[str, Any]:
-        """Return the calibration as plain values, under the names of the published file format."""
+        """Calibration as plain values, under the names of the published file format."""
         uncertainty, shape = self.uncertainty(), self.board_shape
         return {
             "img_size": list(self.camera.img_size),

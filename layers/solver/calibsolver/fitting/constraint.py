@@ -1,9 +1,9 @@
-"""Constraint of a fit: intrinsics that are not estimated, as OpenCV's flags CALIB_FIX_… say it.
+"""Constraint of a fit: intrinsics that are not estimated, as OpenCV's flags CALIB_FIX_….
 
-Names are those of the intrinsics, `fx`, `fy`, `cx`, `cy` and the coefficients of the model, and three groups:
-`aspect` (the ratio fx / fy), `center` (cx and cy) and `tangential` (p1 and p2). A name without a value holds
-what the start of the fit has. Without a start, the principal point is the middle of the image, the ratio is 1
-and a coefficient is 0; a focal length needs a value.
+Names are `fx`, `fy`, `cx`, `cy`, the coefficients of the model, and three groups: `aspect` (the ratio fx /
+fy), `center` (cx and cy) and `tangential` (p1 and p2). A name without a value holds that of the start of the
+fit. Without a start, the principal point is the middle of the image, the ratio is 1 and a coefficient is 0; a
+focal length needs a value.
 """
 
 from collections.abc import Iterable, Mapping
@@ -25,14 +25,7 @@ MAX_NUMBER = 1e6
 def of(
     model: Model, img_size: tuple[int, int], fix: Fix, start: Camera | None
 ) -> tuple[Array | None, Array | None]:
-    """Return the free directions T (p, a) and the origin k (p,) of intrinsics k + T a; None if all are free.
-
-    Parameters
-    ----------
-    fix
-        Names, or names with values; a value of None holds what the start has.
-    start
-        A camera of this model and size, or None.
+    """Free directions T (p, a) and origin k (p,) of intrinsics k + T a; None if all are free.
 
     Raises CalibrationError ``unknown_parameter``, or ``no_value`` if a value is missing or makes no sense.
     """
@@ -70,12 +63,12 @@ def of(
 
 
 def names(fix: Fix) -> tuple[str, ...]:
-    """Return the names of what is fixed, groups resolved."""
+    """Names of the fixed parameters, groups resolved."""
     return tuple(_values(fix))
 
 
 def _values(fix: Fix) -> dict[str, float | None]:
-    """Return a value, or None, by name, groups resolved."""
+    """Values, or None, by name, groups resolved."""
     given = fix if isinstance(fix, Mapping) else dict.fromkeys([fix] if isinstance(fix, str) else fix)
     out: dict[str, float | None] = {}
     for name, value in given.items():

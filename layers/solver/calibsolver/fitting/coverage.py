@@ -25,15 +25,7 @@ MIN_CELLS = 4
 
 @dataclass(frozen=True)
 class Coverage:
-    """Part of the image that the board has shown.
-
-    Attributes
-    ----------
-    share
-        Share of the image, 0 to 1.
-    rms
-        px, predicted error of a projection inside it.
-    """
+    """Share of the image that the board has shown, and predicted error of a projection inside it, px rms."""
 
     share: float
     rms: float
@@ -55,7 +47,7 @@ class Coverage:
 
 
 def hull(points: Array, img_size: tuple[int, int]) -> Mask:
-    """Tell (n,) which cells of COVERAGE_GRID have their centre in the convex hull of `points` (m, 2), px."""
+    """True (n,) for cells of COVERAGE_GRID with their centre in the convex hull of `points` (m, 2), px."""
     return Hull.of(points).contains(pixel_grid(img_size, COVERAGE_GRID).reshape(2, -1).T)
 
 

@@ -1,8 +1,8 @@
 """Domain of the model over the whole image, as a prior.
 
-A polynomial may fold just outside the corners, where nothing holds it. So where the fitted domain ends inside
-the image, a one-sided prior pulls its edge out of the image. It is believed only if the points contradict it
-by no more than chance: some lenses draw an image that ends, and some models cannot follow a lens.
+A polynomial may fold just outside the corners. So if the fitted domain ends inside the image, a one-sided
+prior pulls its edge out of the image. It counts only if the points contradict it by no more than chance: some
+lenses draw an image that ends, and some models cannot follow a lens.
 """
 
 import math
@@ -14,7 +14,6 @@ import numpy as np
 from ..arrays import Array, Mask, symmetric_inverse
 from ..camera import Camera
 from ..models import Model
-from . import outliers
 from .levenberg_marquardt import Options, Problem, State
 
 if TYPE_CHECKING:
@@ -25,16 +24,14 @@ MARGIN, SIGMA = 0.03, 0.02
 EDGE = 0.99
 """Share of the domain's half angle at which its image is measured: the edge itself may be a pole."""
 MAX_PREDICTED = 3000.0
-"""Predicted increase of the squared residuals, in squares of the noise, above which the prior is not tried.
-It is of first order, and the valley bends: the true increase may be a thousandth."""
+"""Predicted increase of the squared residuals, in squares of the noise, above which the prior is not
+tried. The valley bends: the true increase may be a thousandth."""
 MAX_INCREASE = 9.0
 """Increase up to which the points do not contradict the prior."""
 MIN_COVERED = 0.9999
 TOWARDS = Options(iterations=120, damping=1e-3)
 SIDES = np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]])
-"""Directions in the image to its sides."""
 DIFFERENCE = 1e-6
-"""Relative step of derivatives."""
 
 
 def excess(model: Model, k: Array, img_size: tuple[int, int]) -> float:
@@ -52,9 +49,9 @@ def log_corner(k: Array, img_size: tuple[int, int]) -> float:
 
 
 def log_edge(model: Model, k: Array) -> float:
-    """Logarithm of the domain's image radius there; NaN where it has no edge."""
+    """Logarithm of the domain's image radius there; NaN if it has no edge."""
     angle = EDGE * min(model.domain_half_angle(k[4:]), np.pi)
-    rays = np.stack([math.sin(angle) * SIDES[0], math.sin(angle) * SIDES[1], np.full(4, math.cos(angle))])
+    rays = np.stack([*(math.sin(angle) * SIDES), np.full(4, math.cos(angle))])
     with np.errstate(all="ignore"):
         x, y = model.distort(k[4:], rays)
         return float(np.log(np.hypot(x, y).min()))
@@ -76,20 +73,19 @@ class CoveringProblem(Problem):
     """A problem with the prior that the domain covers the image."""
 
     def prior(self, k: Array) -> tuple[Array, Array]:
-        """Residuals and Jacobian of the prior, with one more if the domain does not cover the image."""
+        """Residuals and Jacobian, with one row more if the domain does not cover the image."""
         r, j = super().prior(k)
         over = excess(self.model, k, self.img_size)
         if not over > 0:
             return r, j
-        slope = gradient(self.model, k, self.img_size) / SIGMA
-        slope = slope if self.basis is None else slope @ self.basis
+        slope = gradient(self.model, k, self.img_size) / SIGMA @ self.directions
         return np.append(r, over / SIGMA), np.concatenate([j, slope[None]])
 
 
 def covering(
     problem: Problem, state: State, good: Mask, found: "Calibration"
 ) -> tuple[CoveringProblem, State] | None:
-    """Return the problem with the prior and its optimum for the good points (v, n).
+    """Problem with the prior and its optimum for the good points (v, n).
 
     None if the domain of the optimum `state` covers the image, or if the points contradict that it does.
     """
@@ -97,13 +93,13 @@ def covering(
     over = excess(model, k, size)
     if not over > 0:
         return None
-    basis = np.eye(len(k)) if problem.basis is None else problem.basis
-    along = gradient(model, k, size) @ basis
-    variance = float(along @ symmetric_inverse(basis.T @ found.information @ basis) @ along)
+    free = problem.directions
+    along = gradient(model, k, size) @ free
+    variance = float(along @ symmetric_inverse(free.T @ found.information @ free) @ along)
     if not over**2 < MAX_PREDICTED * variance or found.camera.domain().covered >= MIN_COVERED:
         return None
     wider = CoveringProblem(model, problem.obs, size, problem.basis, problem.origin)
-    moved = wider.solve(wider.at(k, state.poses), outliers.unit_weights(good), TOWARDS)
+    moved = wider.solve(wider.at(k, state.poses), good, TOWARDS)
     increase = float((moved.square - state.square)[good].sum())
     if not (moved.converged and increase <= MAX_INCREASE * found.noise**2):
         return None

@@ -7,10 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from .. import models
-from ..arrays import Array, IntArray, Mask, frozen
+from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
-from ..models import Model
 from ..view import View
 from . import (
     constraint,
@@ -28,7 +27,6 @@ from . import (
 )
 from .calibration import Calibration
 from .constraint import Fix
-from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
 from .mixed_fit import MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
@@ -40,20 +38,16 @@ from .validation import MIN_POINTS, check, degenerate_views, pack
 __all__ = ["MIN_POINTS", "check", "fit"]
 
 MAX_TAIL_RMS_RATIO = 1.1
-"""Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
+"""Rms over all but gross outliers / rms of the inliers, up to which all of them count."""
 MAX_RIM_RMS_RATIO = 4.0
-"""The same where outliers concentrate at the rim: the model is a little too simple. More than that, and the
-points cut were wrong."""
+"""The same where outliers concentrate at the rim: the model is a little too simple."""
 MAX_REJECTIONS = 6
-"""Rounds of outlier rejection."""
 MIN_SHAPE_VIEWS = 3
-"""Number of views from which the shape of the board is distinguished from the lens."""
+"""Views that distinguish the shape of the board from the lens."""
 MAX_MASKS = 2
-"""Rounds in which points are cut, or taken back, by what the shape explains."""
 REJECTION = Options(tolerance=1e-5, one_step=True)
-"""Fits that only distinguish outliers."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
-"""Least squares alone may wind through long valleys."""
+"""Least squares without the prior may wind through long valleys."""
 
 
 @undetermined()
@@ -78,18 +72,18 @@ def fit(
     model
         One of `models.NAMES`.
     robust
-        Views whose points lie on a line are set aside. Huber weights on the way, then points beyond 4 sigma
-        are cut and the rest fitted by least squares together with the model's weak prior. Otherwise plain
-        least squares over all points; with the prior only where the points leave something open.
+        Set aside views whose points lie on a line, cut points beyond 4 sigma, and fit the rest by least
+        squares with the model's weak prior. False: plain least squares over all points; with the prior only
+        where the points leave something open.
     start
-        A camera that may be near: where the fit starts first. The result depends on it only if the views
-        allow two optima (`focal_profile`), and by what `fix` holds there.
+        A camera that may be near. The result depends on it only if the views allow two optima
+        (`focal_profile`), and by what `fix` keeps from it.
     fix
         What is not estimated (`constraint`): names, or a mapping of names to values; variance 0.
     board_shape
-        Estimate bend and stretch of the board with the rest, if at least MIN_SHAPE_VIEWS views take part and
-        a shape explains them better than chance and motion do. Otherwise, in plain least squares (not
-        `robust`) and where a view is `flat`, the board is as drawn. False: as drawn, in less time.
+        Estimate bend and stretch of the board, if at least MIN_SHAPE_VIEWS views take part and a shape
+        explains them better than chance and motion do. The board is as drawn in plain least squares, where a
+        view is `flat`, and if False, which takes less time.
 
     Raises
     ------
@@ -108,9 +102,8 @@ def fit(
         if degenerate.all() or not robust:
             check(views, img_size)  # raises: too little is left, or nothing may be left out
         kept = [views[i] for i in np.flatnonzero(~degenerate)]
-        return with_degenerate_views(
-            fit(kept, img_size, model, start=start, fix=fix, board_shape=board_shape), views, degenerate
-        )
+        found = fit(kept, img_size, model, start=start, fix=fix, board_shape=board_shape)
+        return found.with_degenerate_views(views, degenerate)
     mirrored = validation.mirrored_views(given)
     if mirrored.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(mirrored))} shows the board mirrored")
@@ -125,17 +118,15 @@ def fit(
 
 @undetermined()
 def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
-    """Refine a fit whose camera and poses (v, 6) are nearly known: robustly, only from that start.
-
-    For parts of what was fitted before; raises as `fit` does.
-    """
+    """Fit robustly, only from a camera and poses (v, 6) that are nearly right; raises as `fit` does."""
     given = pack(views, near.img_size)
     degenerate = degenerate_views(given)
     if degenerate.any():
         if degenerate.all():
             check(views, near.img_size)  # raises
         kept = np.flatnonzero(~degenerate).tolist()
-        return with_degenerate_views(refine([views[i] for i in kept], near, poses[kept]), views, degenerate)
+        found = refine([views[i] for i in kept], near, poses[kept])
+        return found.with_degenerate_views(views, degenerate)
     obs, order = given.sort_canonically()
     mirrored = validation.mirrored_views(given)[order.views]
     problem = Problem(models.get(near.model), obs, near.img_size)
@@ -146,7 +137,7 @@ def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """One fit: a problem, the order of its observations, which views are mirrored, and how it is solved."""
+    """One fit; `mirrored` (v,) are views that take no part, `known` is a camera that may be near."""
 
     problem: Problem
     order: Order
@@ -154,14 +145,6 @@ class _Fit:
     robust: bool
     known: Camera | None
     board_shape: bool = False
-
-    @property
-    def model(self) -> Model:
-        return self.problem.model
-
-    @property
-    def width(self) -> int:
-        return self.problem.img_size[0]
 
     @cached_property
     def mask(self) -> Mask:
@@ -171,25 +154,23 @@ class _Fit:
 
     @cached_property
     def multistart(self) -> MultiStart:
-        """Starts of the fit."""
         return MultiStart(self.problem, self.mask, self.known, rejection_follows=self.robust)
 
     def run(self, near: State | None = None) -> Calibration:
-        """Fit, only from `near` if it is given."""
         if not self.robust:
             return self._least_squares(self.multistart.run()).calibration
         state, good = self._settle(near or self.multistart.run())
         found = self._shaped(state, good)
         if found is None:
             if good.any():
-                state = self.problem.solve(state, outliers.unit_weights(good), Options())
-            found = self._result(state, good, with_prior=True)
+                state = self.problem.solve(state, good, Options())
+            found = self._result(state, good)
         if near is not None:
             return found.calibration
         covering = domain.covering(self.problem, state, good, found.calibration)
         if covering is not None:
             other = replace(self, problem=covering[0])
-            found = other._shaped(covering[1], good) or other._result(covering[1], good, with_prior=True)
+            found = other._shaped(covering[1], good) or other._result(covering[1], good)
         covariance = focal_profile.covariance_of_optima(
             found.problem, found.state, found.good, found.calibration
         )
@@ -198,23 +179,23 @@ class _Fit:
     def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Other points may take part: what the shape explains is not an outlier. A stretch that no printer
-        causes is left to the camera. None if the board is known to be as drawn, if there are too few views,
-        or if a shape would explain no more than chance or leave a camera that is not believable.
+        What the shape explains is not an outlier. None if there are too few views, or if a shape would
+        explain no more than chance or leave an implausible camera.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
-        labels, noise2 = self._labels(state, good), self._sigma(state, good) ** 2
-        begun = MixedFit.begin(self.problem, state, good, labels, noise2)
+        problem = self.problem
+        labels = robust_covariance.same_pose_labels(
+            state.poses, problem.obs, good, problem.focal_widths(state.k)
+        )
+        begun = MixedFit.begin(problem, state, good, labels, self._sigma(state, good) ** 2)
         if begun is None:
             return None
         mixed, shaped = begun
         for _ in range(MAX_MASKS):
             shaped = mixed.solve(shaped, good, REJECTION)
-            taken = outliers.inlier_mask(
-                shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
-            )
-            if self._concentrate_at_rim(taken, good):
+            taken = outliers.inlier_mask(shaped, self.mask, good, problem.width)
+            if outliers.concentrate_at_rim(problem, taken, good):
                 taken = taken | good
             if np.array_equal(taken, good) or not taken.any():
                 break
@@ -224,60 +205,47 @@ class _Fit:
         if not mixed.problem.shape(shaped).is_plausible:
             return None
         try:
-            return self._result(shaped, good, mixed, with_prior=True)
+            return self._result(shaped, good, mixed)
         except CalibrationError:
             return None
 
-    def _labels(self, state: State, good: Mask) -> IntArray:
-        """Clusters (v,) of views in nearly the same pose."""
-        focal = float(self.model.focal(state.k)[0]) / self.width
-        return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
-
     def _settle(self, state: State) -> tuple[State, Mask]:
-        """State near the optimum, and the points (v, n) that take part, in three stages.
+        """State near the optimum, and the points (v, n) that take part.
 
-        Gross outliers are removed. The other points are tested against fits that exclude them. Points that
-        hardly spoil the fit are taken back.
+        Points that hardly spoil the fit are taken back.
         """
         state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
-        if self._concentrate_at_rim(inliers, self.mask):
+        if outliers.concentrate_at_rim(self.problem, inliers, self.mask):
             # The model may fail at the rim: then every point counts, or the failure would go unnoticed.
-            all_points = self.problem.solve(state, self.multistart.unit_weights, outliers.LEAST_SQUARES)
+            all_points = self.problem.solve(state, self.mask, outliers.LEAST_SQUARES)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
             return state, inliers
         with_tails = state
         if not is_fitted:
-            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
+            with_tails = self.problem.solve(state, inliers, outliers.LEAST_SQUARES)
         state, good = self._reject_outliers(with_tails, inliers)
         if state is with_tails or not good.any():
             return state, good
-        ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
+        at_rim = outliers.concentrate_at_rim(self.problem, good, inliers)
+        ratio = MAX_RIM_RMS_RATIO if at_rim else MAX_TAIL_RMS_RATIO
         if not with_tails.converged:  # from nearer, it may
-            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
+            with_tails = self.problem.solve(state, inliers, outliers.LEAST_SQUARES)
         if self._is_close(with_tails, inliers, state, good, ratio):
             return with_tails, inliers  # what was rejected are tails of the noise
         return state, good
 
     def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
-        """Reject outliers and refit in turn, beginning with the fit to `inliers` (v, n).
-
-        The refits are only as precise as the masks need. Without outliers the result is `state` itself.
-        """
+        """Reject outliers and refit in turn; without outliers the result is `state` itself."""
         previous = inliers
         for _ in range(MAX_REJECTIONS - 1):
-            good = outliers.inlier_mask(
-                state, self.mask, previous, outliers.OUTLIER_SIGMAS, self.problem.img_size
-            )
+            good = outliers.inlier_mask(state, self.mask, previous, self.problem.width)
             if not good.any() or np.array_equal(previous, good):
                 return state, good
-            state = self.problem.solve(state, outliers.unit_weights(good), REJECTION)
+            state = self.problem.solve(state, good, REJECTION)
             previous = good
         return state, previous  # a point or two change sides every time: either result is as good
-
-    def _concentrate_at_rim(self, good: Mask, among: Mask) -> bool:
-        return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
 
     def _is_close(self, one: State, one_mask: Mask, other: State, other_mask: Mask, ratio: float) -> bool:
         """True if the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
@@ -285,7 +253,7 @@ class _Fit:
         return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
 
     def _least_squares(self, state: State) -> "_Found":
-        """Least squares over all points, without the prior where the points carry every parameter."""
+        """Least squares over all points, without the prior if the points determine every parameter."""
         problem = self.problem
         if self._is_observable(state):
             # With coefficients that nearly replace one another there are several optima: the lowest counts.
@@ -296,34 +264,26 @@ class _Fit:
                 else constrained(problem, initial_guess.from_vanishing_points(model, obs, size))
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
-            free = [problem.solve(s, self.multistart.unit_weights, FREE) for s in begun]
+            free = [problem.solve(s, self.mask, FREE) for s in begun]
             best = min(
                 (s for s in free if s.converged and s.is_finite),
                 key=lambda s: float(s.square.sum()),
                 default=None,
             )
-            if (
-                best is not None
-                and plausibility.share_outside_domain(problem, best, self.mask)
-                <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-            ):
+            if best is not None and not plausibility.folds(problem, best, self.mask):
                 return self._result(best, self.mask, with_prior=False)
-        state = problem.solve(state, self.multistart.unit_weights, Options())
-        return self._result(state, self.mask, with_prior=True)
+        state = problem.solve(state, self.mask, Options())
+        return self._result(state, self.mask)
 
     def _evidence(self, state: State, good: Mask, sigma: float) -> robust_covariance.Evidence:
-        """Gather what the good points (v, n) say of the intrinsics, by clusters of views."""
         rows, poses, obs, mask = state.rows, state.poses, self.problem.obs, self.mask
-        taken = good.any(axis=1)
+        taken: Mask = np.asarray(good.any(axis=1))
         if not taken.all():
-            rows, poses = rows[:, :, taken], Poses(poses.r[taken], poses.t[taken])
+            rows, poses = rows[:, :, taken], poses.subset(taken)
             obs, good, mask = obs.subset(np.flatnonzero(taken)), good[taken], mask[taken]
-        focal = float(self.model.focal(state.k)[0]) / self.width
-        labels = robust_covariance.same_pose_labels(poses, obs, good, focal)
-        row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
+        labels = robust_covariance.same_pose_labels(poses, obs, good, self.problem.focal_widths(state.k))
+        row = self.problem.row_positions[taken]
         effects = systematic_effects.displacements(rows[-POSE_SIZE - 1 : -1], poses, obs.points, row)
-        if good.all():
-            return robust_covariance.Evidence.of(rows, effects, poses, labels)
         evidence = robust_covariance.Evidence.of(rows, effects, poses, labels, used=good)
         limit = outliers.OUTLIER_SIGMAS * sigma
         seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)
@@ -333,42 +293,25 @@ class _Fit:
         return replace(evidence, of_effects=more)
 
     def _is_observable(self, state: State) -> bool:
-        """True if the data without the prior determine every parameter."""
         s = normal_equations.reduced_information(state.rows[:-1] * self.mask)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         return bool(np.linalg.eigvalsh(s * scale[:, None] * scale)[0] > 1e-12)
 
     def _sigma(self, state: State, good: Mask) -> float:
-        """Noise of one coordinate, px: least squares estimate, corrected for the degrees of freedom."""
+        """Noise of one coordinate, px, corrected for the degrees of freedom."""
         used = 2 * float(good.sum())
         unknowns = len(state.rows) - 1 - POSE_SIZE + POSE_SIZE * int(good.any(axis=1).sum())
         free = used - unknowns
         noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
-        return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
+        return max(noise, levenberg_marquardt.ROUNDOFF * self.problem.width)
 
     def _result(
-        self,
-        state: State,
-        good: Mask,
-        mixed: MixedFit | None = None,
-        *,
-        with_prior: bool,
+        self, state: State, good: Mask, mixed: MixedFit | None = None, *, with_prior: bool = True
     ) -> "_Found":
-        """Check the fit and describe it: errors over all points, covariance from the good ones.
+        """Check and describe the fit: errors over all points, covariance from the good ones (v, n).
 
-        Parameters
-        ----------
-        state
-            The optimum: intrinsics (p,), poses and residuals (v, n) in the order of the problem; the result
-            has them in the order in which the views came.
-        good
-            (v, n) points that took part.
-        mixed
-            How the board's shape was fitted, which the state then has, too; None: it is as drawn.
-        with_prior
-            True if the prior took part: its information (p, p) is added to that of the points.
-
-        Raises CalibrationError ``not_converged`` or ``not_believable``.
+        The state contains the board's shape if it was fitted (`mixed`). Raises CalibrationError
+        ``not_converged`` or ``not_believable``.
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
@@ -379,8 +322,7 @@ class _Fit:
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
-        # No point is farther off than the size of the image: for a view that no pose explains, the model
-        # predicts arbitrary places.
+        # For a view that no pose explains, the model predicts arbitrary places: the image bounds distances.
         scale = 1.0 if problem.obs.scale is None else problem.obs.scale
         square = np.minimum(np.where(mask, state.square / scale**2, 0.0), float(np.hypot(*img_size)) ** 2)
         rms = float(np.sqrt(square.sum() / mask.sum()))
@@ -407,7 +349,7 @@ class _Fit:
             inverse = np.linalg.pinv(problem.basis)
             information = inverse.T @ information @ inverse
         calibration = Calibration(
-            camera=Camera.from_intrinsics(self.model.name, k, img_size),
+            camera=Camera.from_intrinsics(problem.model.name, k, img_size),
             poses=frozen(self.order.back(state.poses.vectors())),
             avg_reprojection_error=rms,
             view_errors=frozen(self.order.back(np.sqrt(square.sum(axis=1) / mask.sum(axis=1)))),
@@ -424,17 +366,16 @@ class _Fit:
         return _Found(problem, state, good, calibration)
 
     def _resect_excluded_views(self, problem: Problem, state: State, good: Mask) -> State:
-        """Resect views that took no part: their errors are reported, too."""
+        """Resect views that took no part, for their errors."""
         out = np.flatnonzero(~good.any(axis=1))
         if not out.size:
             return state
-        poses, square = resection.resect(self.model, state.k, problem.obs.subset(out))
+        poses, square = resection.resect(problem.model, state.k, problem.obs.subset(out))
         better = np.isfinite(square) & (square < np.where(problem.obs.mask, state.square, 0)[out].sum(axis=1))
-        resected = state.poses.replace(out[better], Poses(poses.r[better], poses.t[better]))
+        resected = state.poses.replace(out[better], poses.subset(better))
         return replace(problem.at(state.k, resected), converged=state.converged)
 
     def _cut_reasons(self, good: Mask) -> dict[int, str]:
-        """Reasons why views (by number) are wholly left out."""
         return {
             int(self.order.views[i]): "mirrored" if self.mirrored[i] else "outlier"
             for i in np.flatnonzero(~good.any(axis=1))
@@ -443,7 +384,7 @@ class _Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Calibration with the optimum that it describes: the problem, state there, and points (v, n) used."""
+    """Calibration and the optimum that it describes; `good` (v, n) are the points used."""
 
     problem: Problem
     state: State

@@ -1,8 +1,8 @@
 """Focal profile: the cost that each focal length leaves, and other cameras that explain the views as well.
 
-Distortion and principal point can stand in for the focal length if a model does not quite describe a lens
-and the views are tilted alike. The profile then has two minima, and a second calibration may end in the other
-one, farther away than the curvature of either predicts. (Bates & Watts 1988, chapter 6, for profiles.)
+If a model does not quite describe a lens and the views are tilted alike, distortion and principal point can
+stand in for the focal length. The profile then has two minima, and a second calibration may end in the other
+one, farther away than the curvature of either predicts. (Bates & Watts 1988, chapter 6.)
 """
 
 from dataclasses import replace
@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array, Mask, frozen, symmetric_inverse
-from . import outliers, plausibility, prior
+from . import plausibility, prior
 from .calibration import Calibration
 from .levenberg_marquardt import Options, Problem, State
 from .normal_equations import Poses
@@ -18,12 +18,9 @@ from .normal_equations import Poses
 STEP = float(np.log(2)) / 2
 """Logarithm of the focal length, half an octave to either side, at which it is held."""
 MAX_STEP_DEVIATIONS = 10.0
-"""Largest step in standard deviations of the logarithm: if the views determine it better, the profile has one
-minimum."""
+"""Largest step in standard deviations of the logarithm: if they are smaller, the profile has one minimum."""
 HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
-"""Into the valley, at a given focal length."""
 ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)
-"""Along the valley, until it is clear if this is another optimum."""
 MIN_DETERMINING_VIEWS = 3
 """Views that determine all intrinsics (Zhang 2000): with fewer the prior decides."""
 
@@ -31,23 +28,17 @@ MIN_DETERMINING_VIEWS = 3
 def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Calibration) -> Array:
     """Covariance (p, p) of the intrinsics with the other optima of the profile, by their likelihood.
 
-    It is that of the calibration where there is no other, or none is expected.
-
-    Parameters
-    ----------
-    problem, state, good
-        The optimum, and the points (v, n) that took part.
-    found
-        The calibration there.
+    It is that of the calibration `found` if there is no other, or none is expected. `good` (v, n) are the
+    points that took part.
     """
     covariance = np.asarray(found.covariance)
     gradient = log_focal_gradient(problem, state)
     deviation = float(np.sqrt(gradient @ covariance @ gradient))
     if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
         return covariance
-    # What views share (bend, motion, what the model lacks) counts in the likelihood as in the error bars.
-    basis = np.eye(len(gradient)) if problem.basis is None else problem.basis
-    information, along = basis.T @ found.information @ basis, gradient @ basis
+    # The errors that views share count in the likelihood as in the error bars.
+    free = problem.directions
+    information, along = free.T @ found.information @ free, gradient @ free
     white = along @ symmetric_inverse(information) @ along
     variance = found.noise**2 * max(deviation**2 / float(white), 1.0)
     moments = covariance.copy()
@@ -55,7 +46,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
         other = optimum_beside(problem, state, good, step)
         if abs(gradient @ (other.k - state.k)) < deviation / 2:
             continue  # the same optimum
-        other = problem.solve(other, outliers.unit_weights(good), Options())
+        other = problem.solve(other, good, Options())
         change = other.k - state.k
         # Within a deviation it is the same optimum, or one that does not matter.
         if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
@@ -69,29 +60,25 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
 def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> State:
     """Fit the good points (v, n), approximately, from where the log focal length was held a step away."""
     factor = float(np.exp(step))
-    k, weights = state.k.copy(), outliers.unit_weights(good)
+    k = state.k.copy()
     k[:2] *= factor
     k = problem.nearest(k)
     poses = Poses(state.poses.r, state.poses.t * (1, 1, factor))  # of the same size in the image
     # All directions but the one in which the focal length grows.
-    free = np.eye(len(k)) if problem.basis is None else problem.basis
+    free = problem.directions
     basis = np.linalg.svd((log_focal_gradient(problem, state) @ free)[None])[2][1:].T
     held = replace(problem, basis=free @ basis)
-    best = held.solve(held.at(k, poses), weights, HELD)
-    return problem.solve(problem.at(best.k, best.poses), weights, ALONG_VALLEY)
+    best = held.solve(held.at(k, poses), good, HELD)
+    return problem.solve(problem.at(best.k, best.poses), good, ALONG_VALLEY)
 
 
 def is_taken(problem: Problem, other: State, good: Mask) -> bool:
     """True if another calibration might return a fit that ends there."""
-    return (
-        other.converged
-        and other.is_finite
-        and plausibility.share_outside_domain(problem, other, good) <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-    )
+    return other.converged and other.is_finite and not plausibility.folds(problem, other, good)
 
 
 def log_focal_gradient(problem: Problem, state: State) -> Array:
-    """Gradient (p,) of the logarithm of the focal length: the prior's first residual is that, whitened."""
+    """Gradient (p,) of the logarithm of the focal length: the first residual of the prior, whitened."""
     by_k = prior.residuals(problem.model, state.k, problem.img_size)[1]
     gradient: Array = by_k[0] * problem.model.prior.focal_sigma
     return gradient

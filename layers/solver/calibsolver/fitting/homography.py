@@ -1,4 +1,4 @@
-"""Homography from a board to the rays on which it is seen (DLT), many at once, and the pose it stands for."""
+"""Homography from a board to the rays on which it is seen (DLT), many at once, and its pose."""
 
 from dataclasses import dataclass
 
@@ -9,21 +9,16 @@ from ..arrays import Array
 from .normal_equations import Poses
 
 SINGULAR = 1e-14
-"""Eigenvalue / trace of a matrix that is taken to be its smallest at least."""
+"""Smallest eigenvalue / trace of a matrix, at least."""
 SQUARINGS = 4
 """Squarings of the inverse: each doubles the iterations."""
 
 
 @dataclass(frozen=True, eq=False)
 class Homographies:
-    """Homographies of planes (v): ray ~ h (X, Y, 1) with (X, Y) centred and scaled.
+    """Homographies of planes: ray ~ h (X, Y, 1), X = (x - mean) / spread.
 
-    Attributes
-    ----------
-    h
-        (v, 3, 3), the mean length of the first two columns 1.
-    mean, spread
-        (v, 2) and (v,): X = (x - mean) / spread.
+    `h` is (v, 3, 3), the mean length of its first two columns 1, `mean` (v, 2), `spread` (v,).
     """
 
     h: Array
@@ -82,10 +77,9 @@ class Homographies:
         return Poses(r, t)
 
     def focal_from_vanishing_points(self) -> float:
-        """Find the factor for `with_focal_scale` that makes the first two columns orthogonal, of one length.
+        """Factor for `with_focal_scale` that makes the first two columns orthogonal, of one length.
 
-        Their vanishing points lie at right angles (Zhang 2000, with square pixels and a known centre);
-        NaN where all planes face the camera.
+        Zhang 2000, with square pixels and a known centre; NaN if all planes face the camera.
         """
         (x1, y1, z1), (x2, y2, z2) = self.h[:, :, 0].T, self.h[:, :, 1].T
         image = np.concatenate([x1 * x2 + y1 * y2, (x1 * x1 + y1 * y1 - x2 * x2 - y2 * y2) / 2])
@@ -97,7 +91,7 @@ class Homographies:
 def smallest_eigenvectors(m: Array) -> Array:
     """Unit eigenvectors (v, p) of the smallest eigenvalues of positive semidefinite matrices (v, p, p).
 
-    By inverse iteration, in half the time of all eigenvectors; approximate where two eigenvalues are near.
+    By inverse iteration, which is fast, and approximate where two eigenvalues are near.
     """
     size = m.shape[-1]
     shifted = m / (np.trace(m, axis1=1, axis2=2)[:, None, None] + 1e-300)

@@ -1,9 +1,8 @@
 """Initial guess of the solver: poses for a given focal length by resection, and a focal length.
 
-For a model without distortion every pixel is a ray, and the rays of a plane's points are a homography of
-them: ray ~ H (X, Y, 1). That holds beyond 90 degrees from the axis too, as long as the ray keeps its sign,
-so one linear solution serves narrow lenses and fisheyes. (Hartley & Zisserman, "Multiple View Geometry",
-4.1 and 8.1.)
+Without distortion the rays of a plane's points are a homography of them: ray ~ H (X, Y, 1). That is true
+beyond 90 degrees from the axis, as long as the ray keeps its sign, so one linear solution serves narrow
+lenses and fisheyes. (Hartley & Zisserman, "Multiple View Geometry", 4.1 and 8.1.)
 """
 
 from collections.abc import Iterator
@@ -20,21 +19,14 @@ from .normal_equations import Poses
 from .observations import MIX, Observations
 
 MAX_TRIAL_VIEWS = 10
-"""Views on which starts are tried, at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Initial guess of one optimum.
+    """Initial guess of one optimum: intrinsics k (p,) and poses.
 
-    Attributes
-    ----------
-    k, poses
-        Intrinsics (p,), poses.
-    error
-        Median distance of the projected points, px.
-    weights
-        (v, n) 0 where a point contradicts most of its view; None if nothing is known of that.
+    `error` is the median distance of the projected points, px. `weights` (v, n) are 0 where a point
+    contradicts most of its view.
     """
 
     k: Array
@@ -44,16 +36,9 @@ class Start:
 
 
 def plane_poses(points: Array, rays: Array, weights: Array) -> Poses:
-    """Poses of planes (v) seen along unit rays.
+    """Poses of planes (v, 3, n), board frame, z = 0, seen along unit rays (v, 3, n) of weight (v, n).
 
-    Parameters
-    ----------
-    points
-        (v, 3, n), board frame, z = 0.
-    rays
-        (v, 3, n) unit rays, camera frame; NaN where the weight is 0 at the latest.
-    weights
-        (v, n)
+    Rays may be NaN.
     """
     usable = np.isfinite(rays[:, 0]) & (weights > 0)
     if not usable.all():
@@ -77,7 +62,7 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
-        of_k = Poses(poses.r[part], poses.t[part])
+        of_k = poses.subset(part)
         p = of_k.camera_points(obs.points).transpose(1, 0, 2)
         with np.errstate(all="ignore"):  # what lies behind the camera is masked out
             away = np.where(model.valid(k[4:], p), model.project(k, p) - pixels, np.inf)
@@ -87,7 +72,7 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
 
 
 def focal_sweep(model: Model, obs: Observations, img_size: tuple[int, int]) -> list[Start]:
-    """Evaluate all initial intrinsics of the model: starts, the best of each family first."""
+    """Starts from all initial intrinsics of the model, the best of each family first."""
     starts = evaluate_starts(model, obs, model.initial_intrinsics(img_size))
     each = len(starts) // model.start_families
     families = [
@@ -98,7 +83,7 @@ def focal_sweep(model: Model, obs: Observations, img_size: tuple[int, int]) -> l
 
 
 def from_vanishing_points(model: Model, obs: Observations, img_size: tuple[int, int]) -> Iterator[Start]:
-    """Yield the start from vanishing points (Zhang 2000) where the undistorted model is a pinhole."""
+    """Yield the start from vanishing points (Zhang 2000) if the undistorted model is a pinhole."""
     if not model.is_perspective:
         return
     k = model.start(float(img_size[0]), img_size)
@@ -119,12 +104,12 @@ def with_robust_poses(model: Model, obs: Observations, k: Array) -> Start:
 
 
 def unproject_observations(model: Model, obs: Observations, k: Array) -> Array:
-    """Unproject the pixels to unit rays (v, 3, n) under intrinsics k (p,); NaN where there are none."""
+    """Unit rays (v, 3, n) of the pixels under intrinsics k (p,); NaN where there are none."""
     return model.unproject(k, obs.pixels.transpose(1, 0, 2)).transpose(1, 0, 2)
 
 
 def convert_intrinsics(model: Model, camera: Camera) -> Array:
-    """Convert a camera's intrinsics to similar ones (p,) of a model, the same or another."""
+    """Intrinsics (p,) of a model, the same or another, similar to a camera's."""
     theirs = camera.intrinsics
     if camera.model == model.name:
         return theirs
@@ -134,10 +119,7 @@ def convert_intrinsics(model: Model, camera: Camera) -> Array:
 
 
 def subsample_views(obs: Observations, mask: Mask) -> IntArray | None:
-    """Choose MAX_TRIAL_VIEWS views, from all over the image, to try starts on; None if there are no more.
-
-    Chosen by what they show, not by their order.
-    """
+    """Choose MAX_TRIAL_VIEWS views from all over the image, by their content; None if there are no more."""
     usable = np.flatnonzero(mask.any(axis=1))
     if len(usable) <= MAX_TRIAL_VIEWS:
         return None if len(usable) == obs.view_count else usable

@@ -1,8 +1,8 @@
 """Levenberg-Marquardt on intrinsics and poses, the poses eliminated (bundle adjustment).
 
 Minimises sum rho(|r_i|) + sigma^2 |prior|^2 by iteratively reweighted least squares; rho is Huber's function
-or the square, sigma the noise that the residuals themselves show. (Marquardt 1963; Huber 1964; Triggs et al.
-2000 for the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
+or the square, sigma the noise that the residuals show. (Marquardt 1963; Huber 1964; Triggs et al. 2000 for
+the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
 """
 
 import math
@@ -20,44 +20,40 @@ from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
 RAYLEIGH_MEDIAN = 1.1774100225154747
-"""Median of the length of a 2-vector of independent N(0, 1): sqrt(2 ln 2)."""
+"""sqrt(2 ln 2), median length of a 2-vector of independent N(0, 1)."""
 HUBER_SIGMAS = 3.0
-"""Residual length, in sigmas of one coordinate, from which a point counts less."""
 
 NOISE_FLOOR = 4e-5
 """Noise of one coordinate / image width that no detector undercuts."""
 ROUNDOFF = 1e-11
-"""Residual / image width below which it is rounding that is fitted."""
+"""Residual / image width that is rounding."""
 EXTRAPOLATE_BELOW = 1e-3
-"""Relative decrease of the cost from which predicted decreases fall as fast as they did last: the next one is
-then known without another linearization."""
+"""Relative decrease of the cost from which predicted decreases are taken to fall as fast as they did last."""
 NEGLIGIBLE_DECREASE = 1e-5
-"""Decrease of the cost, in squares of sigma, a three-hundredth of a standard deviation from the optimum."""
+"""Decrease of the cost, in squares of sigma: a three-hundredth of a standard deviation from the optimum."""
 UNDAMPED = 1e-8
-"""Damping up to which a step counts as a Gauss-Newton step."""
 MIN_GAIN_RATIO = 0.25
-"""Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
-"""Bounds of the damping: when lowered, when raised, and beyond which no step leads downhill."""
+"""Bounds of the damping: when lowered, when raised, and the one beyond which no step leads downhill."""
 SAME_STEP = 0.99
-"""Predicted decrease / that of a step that led far uphill, from which the two are nearly the same step."""
+"""Predicted decrease / that of a step that led far uphill, from which they are nearly the same step."""
 NEAR_OPTIMUM = 1e-2
-"""Predicted relative decrease of the cost from which a step is corrected by the one before."""
+"""Predicted relative decrease of the cost from which `Step.correct` applies."""
 MIN_ALIGNMENT, MAX_SHARE = 0.5, 0.8
 """Share of a step's curvature that lies along the one before, at least, and quotient of both, at most."""
 MIN_CURVATURE_RATIO = 0.2
-"""Curvature of the cost along a step / that of its normal equations, at least; at most its inverse."""
+"""Curvature of the cost / of its normal equations along a step, at least; at most its inverse."""
 MAX_ACCELERATION_RATIO = 0.75
-"""Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
+"""Length of the geodesic acceleration / length of the step, at most."""
 SHORT_STEP = 1e-6
 """Relative change of the focal length up to which a straight step is as good as a curved one."""
 LONG_STEP = 700.0
-"""Step from which it is straight: its exponential overflows, and the step is refused."""
+"""Step from which it is straight: its exponential overflows."""
 FINITE_DIFFERENCE = 0.1
-"""Share of a step over which its second derivative is taken."""
+"""Share of a step."""
 
-# glibc returns blocks of more than 128 KB to the system when they are freed, until it has seen a larger one
-# freed. A linearization is larger, and to map its pages again and again costs a tenth of a fit.
+# glibc returns freed blocks of more than 128 KB to the system until it has seen a larger one freed. To map
+# the pages of every linearization again costs a tenth of a fit.
 np.empty(2**21)
 
 
@@ -69,11 +65,11 @@ class Options:
     with_prior: bool = True
     iterations: int = 160
     tolerance: float = 1e-10
-    """Stop when a Gauss-Newton step predicts a smaller relative decrease of the cost than this."""
+    """Relative decrease that a Gauss-Newton step predicts, below which the run ends."""
     damping: float = 1e-8
-    """Of the first step: hardly any where the optimum is near."""
+    """Of the first step."""
     one_step: bool = False
-    """Also stop when actual and predicted decrease of an undamped step differ by less than the tolerance."""
+    """End also when actual and predicted decrease of an undamped step differ by less than the tolerance."""
     patient: bool = False
     """Lower the damping to its geometric mean with the last rejected damping: for curved valleys."""
 
@@ -84,11 +80,8 @@ class State:
 
     Attributes
     ----------
-    k, poses
-        Intrinsics (p,) and poses.
     rows
-        (a + 7, 2, v, n): the Jacobian of the residuals by the free intrinsics and the pose, and in the last
-        row the residuals themselves, px.
+        (a + 7, 2, v, n): the Jacobian by the free intrinsics and the pose; the last row is the residuals, px.
     square
         Squared lengths (v, n) of the residuals, px^2.
     prior_residuals, prior_jacobian
@@ -110,15 +103,6 @@ class State:
         """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
 
-    def system(self, weights: Array | None, prior_weight: float) -> System:
-        """Build the normal equations for points of weight (v, n), and the prior's weight."""
-        if not prior_weight:
-            return System.of(self.rows, weights)
-        weighted = prior_weight * self.prior_jacobian.T
-        return System.of(
-            self.rows, weights, (weighted @ self.prior_jacobian, weighted @ self.prior_residuals)
-        )
-
 
 @dataclass(frozen=True, eq=False)
 class Objective:
@@ -129,36 +113,34 @@ class Objective:
     prior_weight: float
 
     def of(self, state: State) -> tuple[float, Array | None]:
-        """Value at `state`, px^2, and the weights (v, n) of the squares there; None: all are 1."""
-        weights: Array | None
+        """Value, px^2, and the weights (v, n) of the squares at `state`; None: all are 1."""
+        weights, rho = self.weights, state.square
         if self.huber_delta < np.inf:
             irls_weights: Array = np.minimum(
                 1.0, self.huber_delta / np.sqrt(np.maximum(state.square, 1e-300))
             )
             rho = state.square * irls_weights * (2 - irls_weights)
             weights = irls_weights if self.weights is None else irls_weights * self.weights
-        else:
-            weights, rho = self.weights, state.square
         total = float(rho.sum()) if self.weights is None else float(np.vdot(rho, self.weights))
         return total + self.prior_weight * float(state.prior_residuals @ state.prior_residuals), weights
+
+    def prior_of(self, state: State) -> tuple[Array, Array] | None:
+        """Information (a, a) and half gradient (a,) of the prior; None: it has no weight."""
+        weighted = self.prior_weight * state.prior_jacobian.T
+        return (
+            (weighted @ state.prior_jacobian, weighted @ state.prior_residuals) if self.prior_weight else None
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Undamped step, by which the next one is corrected.
+    """Undamped step (a,) and (v, 6), by which the next one is corrected.
 
     Gauss-Newton's normal equations lack the curvature of the residuals, and reweighting that of Huber's
-    function. So near the optimum each step goes too far, or not far enough, by the same share as the one
-    before. The gradients before and after a step give the true curvature along it (the secant equation).
+    function. So near the optimum each step errs by the same share as the one before, and the gradients before
+    and after a step give the true curvature along it (the secant equation).
 
-    Attributes
-    ----------
-    da, dp
-        Steps (a,) and (v, 6).
-    predicted
-        Decrease of the cost that it predicts.
-    slope, curvature
-        Halves of the first and second derivative along it of the cost that the normal equations predict.
+    `slope` and `curvature` are halves of the first and second derivative of the predicted cost along it.
     """
 
     da: Array
@@ -190,14 +172,9 @@ class Step:
 
 
 class LeastSquares(ABC):
-    """Least squares in unknowns k that all views share, and in the pose of the board in each view.
+    """Least squares in unknowns k (p,) that all views share, a of them free, and in the pose in each view.
 
-    Attributes
-    ----------
-    obs
-        Points and pixels.
-    straight_iterations
-        Iterations after which the valley is taken for a curved one.
+    `straight_iterations`: iterations after which the valley is taken for a curved one.
     """
 
     obs: Observations
@@ -210,7 +187,7 @@ class LeastSquares(ABC):
 
     @abstractmethod
     def is_feasible(self, k: Array) -> bool:
-        """True if there is an image with the shared unknowns k (p,)."""
+        """True if there is an image with k (p,)."""
 
     @property
     @abstractmethod
@@ -219,29 +196,29 @@ class LeastSquares(ABC):
 
     @abstractmethod
     def prior(self, k: Array) -> tuple[Array, Array]:
-        """Whitened residuals (m,) of the prior at shared unknowns k (p,), and their Jacobian (m, a)."""
+        """Whitened residuals (m,) of the prior at k (p,), and their Jacobian (m, a)."""
 
     @abstractmethod
     def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
-        """Rows of a `State`, of these observations, after so many empty ones; and squared lengths (v, n)."""
+        """Rows of a `State` after so many empty ones, and squared lengths (v, n)."""
 
     @abstractmethod
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
-        """Compute the residuals (2, v, n) of these observations, px."""
+        """Residuals (2, v, n), px."""
 
     def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given shared unknowns (p,) and poses."""
+        """Linearize at k (p,) and poses."""
         rows, square = self.rows_of(k, poses, self.obs)
         return State(k, poses, rows, square, *self.prior(k))
 
-    def solve(self, state: State, weights: Array, options: Options) -> State:
+    def solve(self, state: State, weights: Array | Mask, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
 
-        The result is `converged` where the gradient allows no further decrease, and is not where no step led
-        downhill, or the iterations ran out before the predicted decrease was negligible.
+        The result is not `converged` if no step led downhill, or if the iterations ran out before the
+        predicted decrease was negligible.
         """
         damping, sigma_floor = options.damping, 1e-6 * self.width
-        plain = None if (weights == 1).all() else weights
+        plain = None if (weights == 1).all() else weights.astype(np.float64)
         counted = weights > 0.5
         tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
         predicted = sigma = previous_predicted = np.inf
@@ -253,7 +230,7 @@ class LeastSquares(ABC):
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
             cost, irls_weights = objective.of(state)
-            system = state.system(irls_weights, objective.prior_weight)
+            system = System.of(state.rows, irls_weights, objective.prior_of(state))
             tolerance = options.tolerance * cost + tolerance_abs
             curved = iteration >= self.straight_iterations
             uphill = np.inf
@@ -286,8 +263,10 @@ class LeastSquares(ABC):
             if options.patient and damping < used:
                 damping = max(damping, float(np.sqrt(used * refused)))
                 refused *= 0.1
+            # The decrease that the next step would predict, extrapolated.
+            following = predicted * (predicted / previous_predicted)
             if not accelerated and (
-                is_last_step(predicted, previous_predicted, cost, tolerance)
+                (previous_predicted < EXTRAPOLATE_BELOW * cost and following < tolerance)
                 # The error of the quadratic model bounds what the next step can gain.
                 or (options.one_step and used <= UNDAMPED and abs(actual - step.predicted) < tolerance)
             ):
@@ -295,33 +274,30 @@ class LeastSquares(ABC):
             last = step if used <= UNDAMPED else None
             state, previous_predicted = moved, predicted
         visible = max(sigma, NOISE_FLOOR * self.width)
-        # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
+        # Slow by curvature beyond Gauss-Newton's, it may have come so close that no difference is visible.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
 
     def noise(self, state: State, counted: Mask) -> float:
-        """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""
+        """Noise of a coordinate, px, over the points that count (v, n): weight of the prior."""
         return robust_sigma(state, counted)
 
     def free(self, da: Array) -> Array:
-        """Change (p,) of the shared unknowns by a step (a,) of the free ones."""
+        """Change (p,) of k by a step (a,) of the free unknowns."""
         return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
-        """Linearize after steps (a,) and (v, 6); None if there is no picture there."""
+        """Linearize after steps (a,) and (v, 6); None if there is no image."""
         k, poses = self.retract(state.k, state.poses, da, dp)
         return self.at(k, poses) if self.is_feasible(k) else None
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
-        """Shared unknowns (p,) and poses after steps (a,) and (v, 6)."""
+        """Change k (p,) and poses by steps (a,) and (v, 6)."""
         return k + self.free(da), poses.retract(dp)
 
     def _geodesic_acceleration(
         self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
     ) -> tuple[Array, Array]:
-        """Add the geodesic acceleration to steps (a,) and (v, 6): along a curve instead of a straight line.
-
-        The second derivative of the residuals along the step is a finite difference.
-        """
+        """Add the geodesic acceleration to steps (a,) and (v, 6), by a finite difference of the residuals."""
         h = FINITE_DIFFERENCE
         k, poses = self.retract(state.k, state.poses, h * da, h * dp)
         if not self.is_feasible(k):
@@ -345,14 +321,10 @@ class LeastSquares(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Problem(LeastSquares):
-    """A model to be fitted to observations of one camera: the views share its intrinsics.
+    """A model to be fitted to observations of one camera.
 
-    Attributes
-    ----------
-    basis
-        (p, a): the directions T in which the intrinsics may go, k + T da; None: all are free.
-    origin
-        (p,) intrinsics that satisfy the constraint of the basis; None: every start does.
+    The intrinsics may go in the directions T of the `basis` (p, a), k + T da; None: all are free. `origin`
+    (p,) satisfies the constraint of the basis; None: every start does.
     """
 
     model: Model
@@ -372,12 +344,21 @@ class Problem(LeastSquares):
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
     @property
+    def directions(self) -> Array:
+        """Free directions (p, a) of the intrinsics."""
+        return np.eye(self.model.size) if self.basis is None else self.basis
+
+    def focal_widths(self, k: Array) -> float:
+        """Focal length at the axis along x / image width."""
+        return float(self.model.focal(k)[0]) / self.width
+
+    @property
     def row_positions(self) -> Array:
-        """Rows (v, n) of the points in the image."""
+        """Rows (v, n) of the points."""
         return systematic_effects.row_position(self.obs.pixels[:, 1], self.img_size[1])
 
     def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
-        """Rows of a `State` at given intrinsics (p,) and poses."""
+        """Rows and squared lengths, see `LeastSquares`."""
         rows, square = residual_rows(self.model, k, poses, obs, before)
         if self.basis is None:
             return rows, square
@@ -386,36 +367,32 @@ class Problem(LeastSquares):
         return np.concatenate([rows[:before], free, rows[after:]]), square
 
     def prior(self, k: Array) -> tuple[Array, Array]:
-        """Whitened residuals (m,) of the prior at intrinsics k (p,), and their Jacobian (m, a)."""
+        """Residuals (m,) and Jacobian (m, a), see `LeastSquares`."""
         r, j = prior.residuals(self.model, k, self.img_size)
         return r, j if self.basis is None else j @ self.basis
 
     def nearest(self, k: Array) -> Array:
-        """Intrinsics (p,) that satisfy the constraint, near to k (p,)."""
+        """Intrinsics (p,) near to k (p,) that satisfy the constraint."""
         if self.basis is None or self.origin is None:
             return k
-        nearest: Array = (
-            self.origin + self.basis @ np.linalg.lstsq(self.basis, k - self.origin, rcond=None)[0]
-        )
-        return nearest
+        return self.origin + self.basis @ np.linalg.lstsq(self.basis, k - self.origin, rcond=None)[0]
 
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
-        """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
-        q = normal_equations.project(self.model, k, poses, obs.points)
-        r: Array = (q - obs.pixels).transpose(1, 0, 2)
+        """Residuals (2, v, n), px."""
+        p, pixels = (each.transpose(1, 0, 2) for each in (poses.camera_points(obs.points), obs.pixels))
+        r = self.model.project(k, p) - pixels
         return r if obs.scale is None else r * obs.scale
 
     def free(self, da: Array) -> Array:
-        """Change (p,) of the intrinsics by a step (a,) of the free ones."""
+        """Change (p,) of the intrinsics by a step (a,)."""
         return da if self.basis is None else self.basis @ da
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
-        """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
+        """Change intrinsics and poses along the curve that keeps the picture.
 
-        A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
-        valley between focal length, distortion and distance is then nearly straight. The focal length in
-        question is that at the axis (`Model.focal`), which lenses may magnify (`Model.magnification`). A
-        constraint is kept by straight steps.
+        A longer focal length moves the boards away and leaves each coefficient's effect in px: the valley
+        between focal length, distortion and distance is then nearly straight. A constraint is kept by
+        straight steps.
         """
         if self.origin is not None:
             return super().retract(k, poses, da, dp)
@@ -441,9 +418,9 @@ class Problem(LeastSquares):
 def residual_rows(
     model: Model, k: Array, poses: Poses, obs: Observations, rows_before: int = 0
 ) -> tuple[Array, Array]:
-    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2.
+    """Weighted Jacobian and residuals (p + 7, 2, v, n), px, after `rows_before` empty rows.
 
-    Weighted, where the observations have weights. As many rows before them are left empty as are asked for.
+    Also returns the residuals' squared lengths (v, n), px^2.
     """
     q, rows = normal_equations.linearize(model, k, poses, obs.points, 1, rows_before)
     r = rows[-1]
@@ -454,29 +431,20 @@ def residual_rows(
 
 
 def assess_step(damping: float, actual: float, predicted: float) -> tuple[bool, float]:
-    """Accept test of a step by the decrease of the cost, and the damping of the next by the gain ratio.
+    """Accept a step that decreases the cost, and choose the next damping by the gain ratio.
 
-    A step that decreases the cost is accepted. A low gain ratio (actual / predicted decrease) is overshoot
-    across a narrow valley, accepted or not: the damping is raised.
+    A low gain ratio is overshoot across a narrow valley, accepted or not: the damping is raised.
     """
     if actual > MIN_GAIN_RATIO * predicted:
         return actual > 0, max(damping * 0.1, MIN_DAMPING)
     return actual > 0, max(damping, MIN_RAISED_DAMPING) * 10
 
 
-def is_last_step(predicted: float, previous_predicted: float, cost: float, tolerance: float) -> bool:
-    """True if the decrease that the next step would predict, extrapolated, is within the tolerance."""
-    return (
-        previous_predicted < EXTRAPOLATE_BELOW * cost
-        and predicted * (predicted / previous_predicted) < tolerance
-    )
-
-
 def robust_sigma(state: State, counted: Mask) -> float:
-    """Estimate the standard deviation of one coordinate of the residuals, px, from their median length.
+    """Standard deviation of one coordinate of the residuals, px, from their median length.
 
-    Over the points that count (v, n): the lengths of good residuals have Rayleigh's distribution. Infinite
-    where no point counts.
+    Over the points that count (v, n): lengths of good residuals have Rayleigh's distribution. Infinite
+    without points.
     """
     square = state.square[counted] if not counted.all() else state.square.reshape(-1)
     if not square.size:

@@ -11,12 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import Array, IntArray, Mask, block_diagonal, dot, whitening
-from . import (
-    levenberg_marquardt,
-    outliers,
-    robust_covariance,
-    systematic_effects,
-)
+from . import levenberg_marquardt, outliers, robust_covariance, systematic_effects
 from .board_shape import BoardShape
 from .levenberg_marquardt import LeastSquares, Options, Problem, State
 from .mixed_model import (
@@ -34,10 +29,10 @@ from .robust_covariance import Evidence, Result
 from .systematic_effects import BEND_SIZE
 
 MIN_SHAPE_DECREASE = 15.0
-"""Decrease of the cost, in squares of the noise, by a shape that is believed: with five numbers chance brings
-more to one flat board in a hundred."""
+"""Decrease of the cost, in squares of the noise, by a shape that is believed. With five numbers chance
+brings more to one flat board in a hundred."""
 TYPICAL_NOISE_WIDTHS = 0.25 / 1280
-"""Noise of a corner's coordinate / image width that is usual."""
+"""Usual noise of a corner's coordinate / image width."""
 PRIOR_NOISE_WIDTHS = 1e-5
 """Noise / image width below which the prior of the intrinsics gains no more weight."""
 IN_SHAPE = Options(tolerance=1e-8, one_step=True)
@@ -46,20 +41,10 @@ IN_SHAPE = Options(tolerance=1e-8, one_step=True)
 
 @dataclass(frozen=True, eq=False)
 class ShapedProblem(LeastSquares):
-    """Problem of a camera whose board has a shape: k is that shape (SHAPE_SIZE,), then the intrinsics (p,).
+    """Problem of a camera or a rig whose board has a shape: k is that shape (SHAPE_SIZE,), then theirs (p,).
 
-    Attributes
-    ----------
-    obs
-        Observations of the board as drawn.
-    drawn
-        Problem of that board, of one camera or of a rig.
-    frame
-        Shape of which the parameters are estimated.
-    displacements
-        (SHAPE_SIZE, v, 3, n) derivatives of the points by them.
-    variances
-        Of the noise, which weighs the priors, and of the shape.
+    `obs` and `drawn` are of the board as drawn, `frame` is the shape of which the parameters are estimated,
+    with derivatives `displacements` (SHAPE_SIZE, v, 3, n) of the points.
     """
 
     obs: Observations
@@ -71,7 +56,7 @@ class ShapedProblem(LeastSquares):
 
     @classmethod
     def of(cls, drawn: LeastSquares, variances: Variances) -> "ShapedProblem":
-        """Problem of the board as drawn, which gets a shape."""
+        """Problem whose board gets a shape."""
         frame, points = BoardShape.of(drawn.obs), drawn.obs.points
         moved = frame.displacements(points.transpose(1, 0, 2)).transpose(0, 2, 1, 3)
         return cls(drawn.obs, drawn, frame, np.ascontiguousarray(moved), variances)
@@ -82,13 +67,13 @@ class ShapedProblem(LeastSquares):
         return self.drawn.width
 
     def reshaped(self, shape: Array, obs: Observations) -> Observations:
-        """Observations of the board as drawn, in a shape (SHAPE_SIZE,)."""
+        """Observations of the board in a shape (SHAPE_SIZE,)."""
         moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(obs.points.shape)
         moved += obs.points
         return Observations(moved, obs.pixels, obs.mask, obs.scale)
 
     def is_feasible(self, k: Array) -> bool:
-        """True if the model has a picture at all with k."""
+        """True if there is an image."""
         return self.drawn.is_feasible(k[SHAPE_SIZE:])
 
     def noise(self, state: State, counted: Mask) -> float:
@@ -96,31 +81,27 @@ class ShapedProblem(LeastSquares):
         del state, counted
         return max(float(np.sqrt(self.variances.noise2)), PRIOR_NOISE_WIDTHS * self.width)
 
-    def believing(self, state: State) -> State:
-        """Return a state with the prior of these variances."""
-        certain, jacobian = 1 / self.variances.shape_deviations(), state.prior_jacobian.copy()
-        jacobian[:SHAPE_SIZE, :SHAPE_SIZE] = np.diag(certain)
-        r = np.append(state.k[:SHAPE_SIZE] * certain, state.prior_residuals[SHAPE_SIZE:])
-        return replace(state, prior_residuals=r, prior_jacobian=jacobian)
-
-    def start(self, state: State) -> State:
-        """Linearize about a state of the board as drawn."""
-        rows = np.empty((SHAPE_SIZE + len(state.rows), *state.rows.shape[1:]))
-        rows[SHAPE_SIZE:] = state.rows
-        return self._with_shape(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses, rows, state.square)
-
     def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at a shape and intrinsics k, and poses."""
+        """Linearize at k and poses."""
         rows, square = self.rows_of(k, poses, self.obs)
-        return self._with_shape(k, poses, rows, square)
+        by_point = np.empty_like(rows[:3])
+        by_camera_point = rows[-4:-1].transpose(1, 2, 0, 3)
+        np.matmul(poses.r.transpose(0, 2, 1), by_camera_point, out=by_point.transpose(1, 2, 0, 3))
+        by_x, by_y, by_z = by_point
+        for i in range(BEND_SIZE):
+            np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
+        np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
+        rows[3] += by_y * self.displacements[3, :, 1]
+        np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
+        return State(k, poses, rows, square, *self.prior(k))
 
     @property
     def row_positions(self) -> Array:
-        """Rows (v, n) of the points in their images."""
+        """Rows (v, n) of the points."""
         return self.drawn.row_positions
 
     def prior(self, k: Array) -> tuple[Array, Array]:
-        """Whitened residuals of the priors of shape and intrinsics, and their Jacobian."""
+        """Residuals and Jacobian of the priors of shape and intrinsics."""
         r, j = self.drawn.prior(k[SHAPE_SIZE:])
         certain = 1 / self.variances.shape_deviations()
         return np.append(k[:SHAPE_SIZE] * certain, r), block_diagonal(np.diag(certain), j)
@@ -132,16 +113,16 @@ class ShapedProblem(LeastSquares):
         )
 
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
-        """Compute the residuals (2, v, n) at a shape and intrinsics k, and poses, px."""
+        """Residuals (2, v, n), px."""
         return self.drawn.residuals_of(k[SHAPE_SIZE:], poses, self.reshaped(k[:SHAPE_SIZE], obs))
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
-        """Shape, intrinsics and poses after steps (SHAPE_SIZE + a,) and (v, 6)."""
+        """Change k and poses by steps (SHAPE_SIZE + a,) and (v, 6)."""
         camera, moved = self.drawn.retract(k[SHAPE_SIZE:], poses, da[SHAPE_SIZE:], dp)
         return np.append(k[:SHAPE_SIZE] + da[:SHAPE_SIZE], camera), moved
 
     def of_camera(self, state: State) -> State:
-        """Return the state without the shape."""
+        """State without the shape."""
         return replace(
             state,
             k=state.k[SHAPE_SIZE:],
@@ -154,34 +135,12 @@ class ShapedProblem(LeastSquares):
         """Shape of the board at a state."""
         return replace(self.frame, parameters=tuple(state.k[:SHAPE_SIZE].tolist()))
 
-    def _with_shape(self, k: Array, poses: Poses, rows: Array, square: Array) -> State:
-        """State of rows (SHAPE_SIZE + a + 7, 2, v, n), the first of which are filled here."""
-        by_point = np.empty_like(rows[:3])
-        by_camera_point = rows[-4:-1].transpose(1, 2, 0, 3)
-        np.matmul(poses.r.transpose(0, 2, 1), by_camera_point, out=by_point.transpose(1, 2, 0, 3))
-        by_x, by_y, by_z = by_point
-        for i in range(BEND_SIZE):
-            np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
-        np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
-        rows[3] += by_y * self.displacements[3, :, 1]
-        np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
-        return State(k, poses, rows, square, *self.prior(k))
-
 
 @dataclass(frozen=True, eq=False)
 class MixedFit:
-    """Fit of a board's shape with the rest.
+    """Fit of a board's shape with the rest, for clusters (v,) of views in nearly the same pose.
 
-    Attributes
-    ----------
-    problem
-        Problem with the shape, at variances to begin with.
-    labels
-        (v,) clusters of views in nearly the same pose.
-    begun
-        Variances from which others are learnt.
-    max_stretch
-        Standard deviation of stretch at most.
+    Variances are learnt from those where it begun.
     """
 
     problem: ShapedProblem
@@ -193,22 +152,17 @@ class MixedFit:
     def begin(
         cls, drawn: LeastSquares, state: State, good: Mask, labels: IntArray, noise2: float
     ) -> "tuple[MixedFit, State] | None":
-        """Begin with the board as drawn; None if a shape explains no more than chance and motion do.
+        """Begin at the optimum for the good points (v, n) with the board as drawn.
 
-        Parameters
-        ----------
-        drawn, state, good
-            Problem of the board as drawn, its optimum, and the points (v, n) that took part.
-        labels
-            As of the class.
-        noise2
-            Variance of the noise there, px^2.
+        `noise2` is that of the corners, px^2.
+
+        None if a shape explains no more than chance and motion do.
         """
         if noise2 < (PRIOR_NOISE_WIDTHS * drawn.width) ** 2:  # a bend leaves more
             return None
         v = Variances(noise2)
         fit = cls(ShapedProblem.of(drawn, v), labels, v)
-        begun = fit.problem.start(state)
+        begun = fit.problem.at(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses)
         model = fit.linearize(begun, good)
         fit, v = fit._learn(model)
         if not model.shape_gain(v) > MIN_SHAPE_DECREASE:
@@ -217,8 +171,7 @@ class MixedFit:
 
     def linearize(self, state: State, good: Mask) -> MixedModel:
         """Mixed model of the good points (v, n) about a state."""
-        used = None if good.all() else good
-        gram = robust_covariance.cluster_grams(state.rows, self._motion(state), self.labels, used)
+        gram = robust_covariance.cluster_grams(state.rows, self._motion(state), self.labels, good)
         return self._model(state, good, gram)
 
     def _motion(self, state: State) -> Array:
@@ -228,7 +181,6 @@ class MixedFit:
         return systematic_effects.motion(by_pose, drawn.obs.points, drawn.row_positions)
 
     def _model(self, state: State, good: Mask, gram: Array) -> MixedModel:
-        """Mixed model of the Gram matrices of the good points (v, n) about a state."""
         drawn = self.problem.drawn
         r, j = state.prior_residuals[SHAPE_SIZE:], state.prior_jacobian[SHAPE_SIZE:, SHAPE_SIZE:]
         noise2 = self.problem.variances.noise2
@@ -246,12 +198,12 @@ class MixedFit:
         )
 
     def learnt(self, model: MixedModel) -> "MixedFit":
-        """Return the fit at the variances that a linearization teaches."""
+        """Fit at the variances that a linearization teaches."""
         fit, v = self._learn(model)
         return fit._at_variances(model, v)
 
     def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
-        """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
+        """Learn the variances. A stretch that no printer causes has next to none."""
         learnt = model.learn(self.begun)
         expected = tuple((model.shape + learnt.one[:SHAPE_SIZE]).tolist())
         if replace(self.problem.frame, parameters=expected).is_plausible:
@@ -261,36 +213,28 @@ class MixedFit:
         return replace(self, max_stretch=EXPECTED_STRETCH), learnt.variances
 
     def _at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
-        """Return the fit at learnt variances, without motion: what moves counts as noise."""
+        """Fit at learnt variances, without motion: it counts as noise."""
         noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
         return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)), begun=v)
 
     def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
         """Solve for the optimum of the good points (v, n)."""
-        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
+        r, jacobian = self.problem.prior(state.k)
+        begun = replace(state, prior_residuals=r, prior_jacobian=jacobian)
+        return self.problem.solve(begun, good, options)
 
     def spread(
         self, state: State, good: Mask, sigma: float, mask: Mask, metric: Array | None = None
     ) -> Result:
-        """Covariance of what the views share, with the motion that the residuals show.
+        """Covariance of k at the optimum of the good points (v, n), with the motion that the residuals show.
 
-        Parameters
-        ----------
-        state, good
-            The optimum, and the points (v, n) that took part.
-        sigma
-            px, noise of a coordinate there, motion and all.
-        mask
-            (v, n) points that may show motion: those that the fit cut, but motion explains, were moved
-            farthest.
-        metric
-            (p, p) of what the covariance is for, without the shape; None: at the corners.
+        `sigma` is the noise of a coordinate, px, with motion. Points in the `mask` (v, n) that motion
+        explains count. A `metric` (p, p), without the shape, replaces the one at the corners.
         """
         noise2, effects = sigma**2, self._motion(state)
         if metric is not None:
             metric = block_diagonal(np.zeros((SHAPE_SIZE, SHAPE_SIZE)), metric)
-        used = None if good.all() else good
-        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
+        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, good)
         model = self._model(state, good, evidence.gram)
         learnt = model.learn(self.begun)
         if not np.array_equal(mask, good):
@@ -310,10 +254,7 @@ class MixedFit:
 
 
 def _covariance(model: MixedModel, metric: Array, v: Variances, noise2: float) -> Result:
-    """Covariance of shape and intrinsics by the formula of `robust_covariance`, without its effect of bend.
-
-    `metric` is that of `Evidence`; `noise2` (px^2) is the variance of the residuals, motion and all.
-    """
+    """Covariance by the formula of `robust_covariance` without bend; `noise2` (px^2) of the residuals."""
     size = model.size
     information = model.information(v)
     basis = whitening(information)

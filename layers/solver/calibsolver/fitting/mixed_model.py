@@ -1,8 +1,8 @@
 """Mixed model of the views: what they share, and what differs between them, with learnt variances.
 
 Linearized, the residuals of a cluster of views are e + A x + Z u + noise. All views share x: the shape of the
-board and the intrinsics. Each cluster has its own u: the motion of the hand while the rows are read out
-(`systematic_effects`). Shape and motion are random effects (Laird & Ware 1982): their variances and that of
+board and the intrinsics. Each cluster has its own u: the motion of the hand during the readout
+(`systematic_effects`). Shape and motion are random effects (Laird & Ware 1982). Their variances and that of
 the noise are learnt by expectation maximization of the restricted likelihood (Patterson & Thompson 1971;
 Dempster, Laird & Rubin 1977), with weak priors. So a flat board and a still hand cost next to nothing.
 """
@@ -14,30 +14,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, dot, symmetric_inverse
-from .effect_likelihood import trust
+from .effect_variances import trust
 from .normal_equations import solve_or_nan
 from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
 
 SHAPE_SIZE = 5
 """Numbers of the board's shape: height by x^2, xy and y^2; stretch of x against y; shear."""
 MOTION_SIZE = EFFECTS_SIZE - BEND_SIZE
-"""Numbers of the motion in a view."""
 EXPECTED_HEIGHT, EXPECTED_STRETCH, SHAPE_FREEDOM = 2e-4, 1e-4, 1.0
 """Prior of the standard deviations of heights / board and of stretch, and its degrees of freedom."""
 FIRST_HEIGHT, FIRST_STRETCH = 3e-3, 1.5e-3
-"""Initial standard deviations: those of boards of paper."""
+"""Initial standard deviations, of boards of paper."""
 MAX_STRETCH_DEVIATION = 2.5e-3
-"""Standard deviation of stretch at most, of prints that differ by half a percent across and down."""
+"""Largest standard deviation of stretch, of prints that differ by half a percent across and down."""
 EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 """Prior of the variance of motion / that of a hand, for usual corners, and its degrees of freedom."""
 FIRST_MOTION = 1.0
-"""Initial variance of motion: the maximization is fast from above and slow from below."""
+"""Initial variance of motion: the maximization is slow from below."""
 MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
-"""Steps of the maximization, and relative change of the variances below which it ends."""
 EXTRAPOLATION_STEPS = 3
-"""Steps of the maximization after which it is extrapolated."""
 MAX_RATE = 0.95
-"""Ratio of two changes that follow each other, by which it is extrapolated at most."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +46,7 @@ class Variances:
     stretch: float = FIRST_STRETCH
 
     def shape_deviations(self) -> Array:
-        """Standard deviations (SHAPE_SIZE,) of the numbers of the shape."""
+        """(SHAPE_SIZE,) standard deviations."""
         return np.array([self.height] * BEND_SIZE + [self.stretch] * (SHAPE_SIZE - BEND_SIZE))
 
     def logarithms(self) -> list[float]:
@@ -60,16 +56,9 @@ class Variances:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Solution at given variances.
+    """Step `one` (g + 1,) of x, then 1; variances of motion given the rest (c MOTION_SIZE,), at unit noise.
 
-    Attributes
-    ----------
-    one
-        (g + 1,) step of what the views share, then 1.
-    weights
-        (c MOTION_SIZE,) variances of motion given the rest, at unit noise.
-    variances
-        After one more step of the maximization.
+    Also the variances after one more step of the maximization.
     """
 
     one: Array
@@ -83,8 +72,8 @@ class MixedModel:
     Parameters
     ----------
     gram
-        (c, g + MOTION_SIZE + 1, ...) Gram matrices of each cluster: shared columns, motion, residuals, px^2;
-        the poses projected out.
+        (c, g + MOTION_SIZE + 1, ...) Gram matrices of each cluster: x, motion, residuals, px^2; the poses
+        projected out.
     count
         Number of residuals less the unknowns of the poses.
     prior
@@ -92,11 +81,11 @@ class MixedModel:
     shape
         (SHAPE_SIZE,) shape so far, the first of x.
     floor
-        Least variance of the noise, px^2: rounding.
+        Least variance of the noise, px^2.
     expected_motion
         Prior of the variance of motion.
     max_stretch
-        Standard deviation of stretch at most.
+        Largest standard deviation of stretch.
     """
 
     def __init__(
@@ -135,7 +124,7 @@ class MixedModel:
 
     @property
     def noise2(self) -> float:
-        """Variance of the residuals, px^2, motion and all."""
+        """Variance of the residuals, px^2, with motion."""
         freedom = max(self.count - self.size, 0.1 * self.count, 1.0)
         variance: float = max(float(self.total[-1, -1]) / freedom, self.floor)
         return variance
@@ -170,15 +159,14 @@ class MixedModel:
         return Solution(one, weights, Variances(noise2, motion, height, stretch))
 
     def shape_gain(self, v: Variances) -> float:
-        """Decrease of the cost, in squares of the noise, by the shape, with motion allowed for."""
+        """Decrease of the cost by the shape, in squares of the noise, given motion (Wald's statistic)."""
         total = self.total - (self.across * self._weights(v)) @ self.across.T + self._belief(v)
         inverse = self._inverse(total[:-1, :-1])
-        # Wald's statistic: what the shape gains if the rest follows.
         x = inverse[:SHAPE_SIZE] @ total[:-1, -1]
         return dot(x, solve_or_nan(inverse[:SHAPE_SIZE, :SHAPE_SIZE], x)) / v.noise2
 
     def learn(self, v: Variances) -> Solution:
-        """Learn the variances from `v` on; the solution is that of the last step."""
+        """Learn the variances from `v` on, with the solution of the last step."""
         last = v.logarithms()
         previous = [0.0] * len(last)
         for step in range(MAX_LEARNING_STEPS):
@@ -196,7 +184,7 @@ class MixedModel:
         return solution
 
     def motion(self, solution: Solution) -> Array:
-        """Motion (c, MOTION_SIZE) of each cluster, in the order of the effects."""
+        """Motion (c, MOTION_SIZE) of each cluster."""
         u = -(solution.one @ self.across) * solution.weights
         out: Array = np.einsum("cij,cj->ci", self.directions, u.reshape(-1, MOTION_SIZE))
         return out
@@ -209,8 +197,7 @@ class MixedModel:
     def _belief(self, v: Variances) -> Array:
         """Information and half gradient (g + 1, g + 1) of the priors, at unit noise."""
         parts = np.array([v.noise2, v.noise2 / v.height**2, v.noise2 / v.stretch**2])
-        out: Array = (parts @ self.beliefs.reshape(3, -1)).reshape(self.total.shape)
-        return out
+        return (parts @ self.beliefs.reshape(3, -1)).reshape(self.total.shape)
 
     def _inverse(self, a: Array) -> Array:
         """Inverse of A (g, g), as `symmetric_inverse`: faster, where A is well positive definite."""
@@ -222,7 +209,6 @@ class MixedModel:
         return out if out.diagonal().min() > 0 else symmetric_inverse(a)
 
     def _weights(self, v: Variances) -> Array:
-        """Variances (c MOTION_SIZE,) of motion given the rest, at unit noise; 0 if there is none."""
         return 1 / (self.power + v.noise2 / v.motion) if v.motion > 0 else np.zeros_like(self.power)
 
 
@@ -232,7 +218,7 @@ def deviation(second: Sequence[float], expected: float) -> float:
 
 
 def remainder(change: float, previous: float) -> float:
-    """Sum of the changes after two that follow each other, of a geometric series."""
+    """Sum of the changes after two successive ones of a geometric series."""
     rate = min(max(change / previous, 0.0), MAX_RATE) if previous else 0.0
     return change * rate / (1 - rate)
 
@@ -240,9 +226,8 @@ def remainder(change: float, previous: float) -> float:
 def trusted_motion(v: Variances, noise2: float) -> float:
     """Variance of motion that counts, of residuals of variance `noise2` (px^2).
 
-    The likelihood takes every misfit of the lens for motion in the directions that move the corners least. So
-    more than a hand's counts only if motion explains most of the residuals: from a half on, in full from two
-    thirds on.
+    The likelihood takes misfit of the lens for motion. So more than a hand's counts only from half of the
+    residuals explained on, in full from two thirds on.
     """
     usual = min(v.motion, FIRST_MOTION)
     return usual + trust(1 - v.noise2 / noise2) * (v.motion - usual)

@@ -2,73 +2,58 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from .. import deadline
-from ..arrays import Array, Mask
+from ..arrays import Mask
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..models import Model
 from . import initial_guess, outliers, plausibility, robust_homography
 from .levenberg_marquardt import Options, Problem, State
-from .normal_equations import Poses
 
 MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
 TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-5, one_step=True, patient=True)
-"""The way to near the optimum is always robust: one bad view must not turn the first steps."""
+"""Always robust: one bad view must not turn the first steps."""
 MAX_PRIOR_Z = 3.0
-"""Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""
+"""Sigmas of the prior by which aspect and principal point may differ before other starts are tried."""
 MAX_REINITIALIZATIONS = 3
-"""Times that poses of views which fit badly are reinitialized, at most."""
 INLIER_MEDIANS = 5.0
-"""Median errors of its view within which a point is an inlier."""
 SAME_OPTIMUM = 0.02
 """Relative difference of focal length, principal point (in widths) and rms within which optima are equal."""
 MAX_DIRECT_VIEWS = 24
-"""Views up to which the likeliest start is followed with all of them at once, without a trial on some."""
+"""Views up to which the likeliest start is followed with all of them, without a trial on some."""
 MAX_SWEEP_STARTS = 4
-"""Starts of the focal sweep that are followed at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class MultiStart:
-    """Several starts of one fit, the best of which is followed."""
+    """Several starts of one fit, the best of which is followed.
+
+    `mask` (v, n) are points that may take part, `known` is a camera that may be near. If `rejection_follows`,
+    a single optimum keeps its gross outliers.
+    """
 
     problem: Problem
     mask: Mask
-    """Points (v, n) that may take part."""
     known: Camera | None
-    """A camera that may be near."""
     rejection_follows: bool = False
-    """True if the caller rejects gross outliers: a single optimum is then not refitted without them."""
-
-    @property
-    def model(self) -> Model:
-        """Camera model that is fitted."""
-        return self.problem.model
-
-    @cached_property
-    def unit_weights(self) -> Array:
-        """Weights (v, n) with all points."""
-        return outliers.unit_weights(self.mask)
 
     def run(self) -> State:
         """Solve from several starts to near the optimum and return the best."""
         obs, problem = self.problem.obs, self.problem
         direct = initial_guess.MAX_TRIAL_VIEWS < obs.view_count <= MAX_DIRECT_VIEWS
-        if direct and self.model.start_families == 1:
+        if direct and problem.model.start_families == 1:
             first = next(self.starts(problem), None)
-            begun = None if first is None else self.follow(problem, first, self.unit_weights, self.mask)
+            begun = None if first is None else self.follow(problem, first, self.mask)
             if begun is not None and self.is_clear(problem, begun, self.mask):
                 return begun
         trial_views = initial_guess.subsample_views(obs, self.mask)
         if trial_views is None:
-            return self.rank_optima(problem, self.unit_weights, self.mask)[0]
+            return self.rank_optima(problem, self.mask)[0]
         trial = replace(problem, obs=obs.subset(trial_views))
-        found = self.rank_optima(trial, self.unit_weights[trial_views], self.mask[trial_views])
+        found = self.rank_optima(trial, self.mask[trial_views])
         # Where a few views leave it open which camera it is, all of them decide.
         states = []
         followed = found[:1] if self.within_prior(found[0]) else found[:2]
@@ -78,26 +63,24 @@ class MultiStart:
             first = initial_guess.with_robust_poses(problem.model, obs, k)
             state = problem.at(first.k, first.poses)
             # Intrinsics are approximately known, so gross outliers can be excluded already.
-            near = (
-                state.square
-                <= INLIER_MEDIANS**2 * robust_homography.medians(state.square, self.mask)[:, None]
-            )
-            weights = outliers.unit_weights(near & self.mask)
-            state = problem.solve(state, weights, TOWARDS_OPTIMUM)
-            states.append(reinitialize_outlying_poses(problem, state, weights, self.mask))
+            middle = robust_homography.medians(state.square, self.mask)
+            good = self.mask & (state.square <= INLIER_MEDIANS**2 * middle[:, None])
+            state = problem.solve(state, good, TOWARDS_OPTIMUM)
+            states.append(reinitialize_outlying_poses(problem, state, good, self.mask))
         return outliers.rank_states(states, problem, self.mask)[0]
 
-    def rank_optima(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
+    def rank_optima(self, trial: Problem, mask: Mask) -> list[State]:
         """Rank the optima that the starts lead to, the best first.
 
-        The search stops at an optimum within the prior, or when a second start leads to the best one. The
-        `known` camera does not count as one of the two: the result must not depend on it.
+        The search stops at an optimum within the prior, or when a second start leads to the best one, except
+        the `known` camera: the result must not depend on it.
         """
         found: list[State] = []
         repeats = 2 if self.known is None else 3
-        is_single = self.rejection_follows and trial is self.problem and self.model.start_families == 1
+        families = trial.model.start_families
+        is_single = self.rejection_follows and trial is self.problem and families == 1
         for first in self.starts(trial):
-            state = self.follow(trial, first, weights, mask)
+            state = self.follow(trial, first, mask)
             if state is None:
                 continue
             if is_single and not found and self.is_clear(trial, state, mask):
@@ -107,7 +90,7 @@ class MultiStart:
             found.append(state)
             again = best is not None and len(found) >= repeats and self.is_same(state, best, mask)
             if (
-                len(found) >= self.model.start_families
+                len(found) >= families
                 and (self.within_prior(state) or again)
                 and self.is_close(trial, state, mask)
             ):
@@ -128,44 +111,39 @@ class MultiStart:
         for start in initial_guess.focal_sweep(model, obs, size)[:MAX_SWEEP_STARTS]:
             yield initial_guess.with_robust_poses(model, obs, start.k)
 
-    def follow(
-        self, problem: Problem, first: initial_guess.Start, weights: Array, mask: Mask
-    ) -> State | None:
+    def follow(self, problem: Problem, first: initial_guess.Start, mask: Mask) -> State | None:
         """Solve from a start to near the optimum; None if it diverges."""
         deadline.check()
         state = problem.at(first.k, first.poses)
         good = mask if first.weights is None else mask & (first.weights > 0)
         if not (state.is_finite and good.any()):
             return None
-        state = problem.solve(state, outliers.unit_weights(good), TOWARDS_OPTIMUM)
-        state = reinitialize_outlying_poses(problem, state, weights, mask)
+        state = problem.solve(state, good, TOWARDS_OPTIMUM)
+        state = reinitialize_outlying_poses(problem, state, mask, mask)
         return state if state.is_finite else None
 
     def is_close(self, problem: Problem, state: State, mask: Mask) -> bool:
-        """Return True if an optimum explains most points (v, n), all within the model's domain."""
-        return (
-            outliers.trimmed_rms(state, mask) < MAX_TRUSTED_RMS_WIDTHS * self.problem.img_size[0]
-            and plausibility.share_outside_domain(problem, state, mask)
-            <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-        )
+        """True if an optimum explains most points (v, n), all within the model's domain."""
+        rms = outliers.trimmed_rms(state, mask)
+        return rms < MAX_TRUSTED_RMS_WIDTHS * problem.width and not plausibility.folds(problem, state, mask)
 
     def is_clear(self, problem: Problem, state: State, mask: Mask) -> bool:
-        """Return True if an optimum explains the views, and the camera is like others: it is the one."""
+        """True if an optimum explains the views, and the camera is like others."""
         return self.within_prior(state) and self.is_close(problem, state, mask)
 
     def is_same(self, one: State, other: State, mask: Mask) -> bool:
-        """Return True if two starts led towards the same optimum."""
+        """True if two starts led towards the same optimum."""
         change = np.abs(one.k[:4] - other.k[:4]) / (*other.k[:2], *(2 * [self.problem.img_size[0]]))
         quotient = outliers.trimmed_rms(one, mask) / outliers.trimmed_rms(other, mask)
         return bool(change.max() < SAME_OPTIMUM and abs(quotient - 1) < SAME_OPTIMUM)
 
     def within_prior(self, state: State) -> bool:
-        """True if the camera is like others; an unusual one may be a local minimum next to the right one."""
+        """True if the camera is like others; else it may be a local minimum next to the right one."""
         return bool(np.abs(state.prior_residuals[1:4]).max() < MAX_PRIOR_Z)
 
 
 def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iterator[initial_guess.Start]:
-    """Yield starts with intrinsics that satisfy the constraint of a problem, and the poses for these."""
+    """Yield starts whose intrinsics satisfy the constraint of a problem, with new poses."""
     for start in starts:
         if problem.origin is None:
             yield start
@@ -173,11 +151,10 @@ def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iter
             yield initial_guess.with_robust_poses(problem.model, problem.obs, problem.nearest(start.k))
 
 
-def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, mask: Mask) -> State:
+def reinitialize_outlying_poses(problem: Problem, state: State, good: Mask, mask: Mask) -> State:
     """Reinitialize the poses of views that fit badly from the LMedS inliers among their points.
 
-    A row of corners under wrong names pulls its view so far that robust weights alone do not bring it
-    back: to fit all points a little is cheaper than to fit most and miss some by far.
+    Robust weights do not recover a view in which a row of corners has wrong names.
     """
     for _ in range(MAX_REINITIALIZATIONS):
         bad = outliers.views_beyond_threshold(state, mask)
@@ -192,17 +169,17 @@ def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, 
         better = middle < robust_homography.medians(state.square[bad], mask[bad])
         if not better.any():
             break
-        weights = weights.copy()
-        all_poses = state.poses.replace(bad[better], Poses(poses.r[better], poses.t[better]))
+        good = good.copy()
+        all_poses = state.poses.replace(bad[better], poses.subset(better))
         near = square <= INLIER_MEDIANS**2 * middle[:, None]
-        weights[bad[better]] = (near & mask[bad])[better]
-        state = problem.solve(problem.at(state.k, all_poses), weights, TOWARDS_OPTIMUM)
+        good[bad[better]] = (near & mask[bad])[better]
+        state = problem.solve(problem.at(state.k, all_poses), good, TOWARDS_OPTIMUM)
     return state
 
 
 def refit_without_gross_outliers(problem: Problem, state: State, mask: Mask) -> State:
     """Refit without gross outliers, which would bias the way to the optimum."""
-    good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, problem.img_size)
+    good = outliers.inlier_mask(state, mask, mask, problem.width, outliers.GROSS_OUTLIER_SIGMAS)
     if np.array_equal(good, mask):
         return state
-    return problem.solve(state, outliers.unit_weights(good), Options(tolerance=1e-4))
+    return problem.solve(state, good, Options(tolerance=1e-4))

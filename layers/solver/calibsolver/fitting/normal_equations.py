@@ -2,10 +2,10 @@
 
 Per view the Jacobian is [A | B] with A by the intrinsics (p) and B by the pose (6: a small rotation applied
 from the left in the camera frame, then the translation). The Schur complement of the pose, S = A'A - A'B
-(B'B)^-1 B'A, is the Fisher information of the intrinsics alone at unit noise, the pose marginalised (Triggs
-et al., "Bundle adjustment", 2000).
+(B'B)^-1 B'A, is the Fisher information of the intrinsics at unit noise (Triggs et al., "Bundle adjustment",
+2000).
 
-`rows` holds a Jacobian transposed, one plane in memory for each unknown: (p + 6, 2, v, n), the intrinsics
+`rows` are a Jacobian transposed, one plane in memory for each unknown: (p + 6, 2, v, n), the intrinsics
 first.
 """
 
@@ -19,9 +19,8 @@ from ..arrays import Array, IntArray, Mask
 from ..models import Model
 
 POSE_SIZE = 6
-"""Unknowns of a pose."""
 RIDGE = 1e-15
-"""Relative ridge of the poses' Gram matrices, which rounding alone may make singular."""
+"""Relative ridge of the poses' Gram matrices, which rounding may make singular."""
 
 
 MAX_SMALL_PRODUCT = 10**6
@@ -45,7 +44,7 @@ class Poses:
         return np.concatenate([rotation.vector(self.r), self.t], axis=1)
 
     def retract(self, step: Array) -> "Poses":
-        """Poses after small steps (v, 6): the rotation perturbed from the left, the translation shifted."""
+        """Poses after small steps (v, 6): rotated from the left, then shifted."""
         return Poses(rotation.matrix(step[:, :3]) @ self.r, self.t + step[:, 3:])
 
     def replace(self, index: IntArray | Mask, poses: "Poses") -> "Poses":
@@ -54,26 +53,21 @@ class Poses:
         r[index], t[index] = poses.r, poses.t
         return Poses(r, t)
 
+    def subset(self, index: IntArray | Mask | slice) -> "Poses":
+        """Poses of some views."""
+        return Poses(self.r[index], self.t[index])
+
     def camera_points(self, points: Array) -> Array:
         """Points (v, 3, n), board frame -> camera frame."""
-        p: Array = self.r @ points + self.t[:, :, None]
-        return p
-
-
-def project(model: Model, k: Array, poses: Poses, points: Array) -> Array:
-    """Pixels (v, 2, n) of points (v, 3, n), board frame."""
-    p = poses.camera_points(points)
-    return model.project(k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
+        return self.r @ points + self.t[:, :, None]
 
 
 def linearize(
     model: Model, k: Array, poses: Poses, points: Array, extra_rows: int, rows_before: int = 0
 ) -> tuple[Array, Array]:
-    """Pixels (2, v, n) and the Jacobian by rows (p + 6 + extra_rows, 2, v, n), the extra ones left empty.
+    """Pixels (2, v, n) and rows (rows_before + p + 6 + extra_rows, 2, v, n) of the Jacobian.
 
-    So are `rows_before` more before them.
-
-    Rows first: each is one plane in memory, which is what the arithmetic on them wants.
+    The extra ones are empty.
     """
     views, n, size = len(poses.r), points.shape[-1], model.size
     rotated = np.empty((3, views, n))
@@ -96,7 +90,7 @@ def linearize(
 
 
 def gram_matrices(rows: Array) -> Array:
-    """Gram matrices (v, m, m) of rows (m, 2, v, n): their products, summed over the points of each view."""
+    """Gram matrices (v, m, m) of rows (m, 2, v, n), summed over the points of each view."""
     across, down = rows[:, 0].transpose(1, 0, 2), rows[:, 1].transpose(1, 0, 2)
     h: Array = across @ across.transpose(0, 2, 1)
     h += down @ down.transpose(0, 2, 1)
@@ -106,27 +100,21 @@ def gram_matrices(rows: Array) -> Array:
 def schur_complement(h: Array, nuisance: int = 0) -> Array:
     """Schur complement (v, p, p) of the last variables of (v, p + 6 + nuisance, p + 6 + nuisance).
 
-    These are the six of a pose, and then `nuisance` variables of standard deviation 1.
+    These are the six of a pose, then `nuisance` variables of standard deviation 1.
     """
     size = h.shape[-1] - POSE_SIZE - nuisance
-    b = h[:, size:, size:]
-    if nuisance:
-        b = b + np.diag([0.0] * POSE_SIZE + [1.0] * nuisance)
+    b = h[:, size:, size:] + np.diag([0.0] * POSE_SIZE + [1.0] * nuisance)
     w = h[:, size:, :size]
     # The smallest ridge that keeps a view without any points from being singular.
     ridge = 1e-13 * np.diagonal(b, axis1=1, axis2=2) + 1e-200
     scale = 1 / np.sqrt(np.diagonal(b, axis1=1, axis2=2) + ridge)
     unit = b * scale[:, :, None] * scale[:, None, :]
     ws = w * scale[:, :, None]
-    s: Array = h[:, :size, :size] - ws.transpose(0, 2, 1) @ eliminate_poses(unit, ws, 1e-13)
-    return s
+    return h[:, :size, :size] - ws.transpose(0, 2, 1) @ eliminate_poses(unit, ws, 1e-13)
 
 
 def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
-    """Solve (H_pp + damping I) X = H_pc for X (v, 6, m); the Schur complement is H_cc - H_pc' X.
-
-    Blocks (v, 6, 6) and (v, 6, m) of scaled unknowns; damping is one number, or (v,) one for each view.
-    """
+    """Solve (H_pp + damping I) X = H_pc for X (v, 6, m), with one damping or (v,); of scaled unknowns."""
     lifted = h_pp.copy()
     diagonal = lifted.reshape(len(lifted), -1)[:, :: h_pp.shape[-1] + 1]
     diagonal += damping if isinstance(damping, float) else damping[:, None]
@@ -135,18 +123,10 @@ def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """Rows of a Jacobian less what changes of the poses explain, and what was found on the way.
+    """Rows A of a Jacobian less what changes of the poses, of columns B, explain.
 
-    Attributes
-    ----------
-    left
-        (v, m, 2n) A', less its orthogonal projection onto the pose's columns B.
-    by_pose
-        (v, 6, m) B'A.
-    pose_gram
-        (v, 6, 6) B'B.
-    solved
-        (v, 6, m) X of B'B X = B'A.
+    `left` (v, m, 2n) is A' less its orthogonal projection onto B, `by_pose` (v, 6, m) B'A, `pose_gram` (v, 6,
+    6) B'B, `solved` (v, 6, m) X of B'B X = B'A.
     """
 
     left: Array
@@ -156,10 +136,12 @@ class Projection:
 
     @classmethod
     def of(cls, rows: Sequence[Array], used: Mask | None = None) -> "Projection":
-        """Project rows (..., 2, v, n), m + 6 together, those of the pose last; points (v, n) may be left out.
+        """Project rows (..., 2, v, n), m + 6 together, those of the pose last.
 
-        By the normal equations, but A - BX is formed before its products are taken: what rounding does to X
-        then enters these by its square, and nearly collinear parameters lose nothing by cancellation.
+        Of points `used` (v, n), or all.
+
+        A - BX is formed before its products are taken, so that nearly collinear parameters lose nothing by
+        cancellation.
         """
         flat = by_views(rows, used)
         size = flat.shape[1] - POSE_SIZE
@@ -174,11 +156,9 @@ class Projection:
 def products_of_rows(a: Array) -> Array:
     """Products (v, m, m) of the rows of matrices (v, m, n) with one another.
 
-    numpy gives a matrix times its own transpose to a BLAS routine that takes half as long again as the
-    general one for small matrices; it does not recognize a copy.
+    Of a copy, because BLAS has a slow routine for a matrix times its own transpose.
     """
-    out: Array = a @ a.copy().transpose(0, 2, 1)
-    return out
+    return a @ a.copy().transpose(0, 2, 1)
 
 
 def products_of_long_rows(a: Array, b: Array) -> Array:
@@ -205,10 +185,7 @@ def by_views(rows: Sequence[Array], used: Mask | None = None) -> Array:
 
 
 def projected_gram_matrices(rows: Sequence[Array], used: Mask | None = None) -> Array:
-    """Gram matrices (v, m, m) of `Projection.left`, faster, where rounding does not matter.
-
-    Parameters as in `Projection.of`.
-    """
+    """Gram matrices (v, m, m) of `Projection.left`: faster, but they lose digits by cancellation."""
     flat = by_views(rows, used)
     gram = products_of_rows(flat)
     size = flat.shape[1] - POSE_SIZE
@@ -219,7 +196,6 @@ def projected_gram_matrices(rows: Sequence[Array], used: Mask | None = None) -> 
 
 
 def _least_ridge_solution(gram: Array, across: Array) -> Array:
-    """Solve the poses' normal equations; the ridge keeps a view without any points from being singular."""
     lifted = gram.copy()
     diagonal = lifted.reshape(len(gram), -1)[:, :: POSE_SIZE + 1]
     diagonal *= 1 + RIDGE
@@ -228,39 +204,20 @@ def _least_ridge_solution(gram: Array, across: Array) -> Array:
 
 
 def residual_jacobian(rows: Array) -> Array:
-    """Part (v, 2n, p) of the Jacobian by the intrinsics that no change of the poses explains.
-
-    Of rows (p + 6, 2, v, n): A less its orthogonal projection onto the columns of B.
-    """
-    left: Array = Projection.of([rows]).left.transpose(0, 2, 1)
-    return left
+    """Part (v, 2n, p) of rows (p + 6, 2, v, n) by the intrinsics that no change of the poses explains."""
+    return Projection.of([rows]).left.transpose(0, 2, 1)
 
 
 def reduced_information(rows: Array) -> Array:
-    """Fisher information (p, p) of the intrinsics from rows (p + 6, 2, v, n) of all views.
-
-    The sum of the views' Schur complements as squares of `residual_jacobian`: it avoids the cancellation of
-    A'A - A'B (B'B)^-1 B'A where parameters are nearly collinear.
-    """
+    """Fisher information (p, p) of the intrinsics from rows (p + 6, 2, v, n), free of cancellation."""
     left = residual_jacobian(rows)
     left = left.reshape(-1, left.shape[2])
-    s: Array = left.T @ left
-    return s
+    return left.T @ left
 
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """Factors of the poses' elimination at one damping, reusable for other gradients.
-
-    Attributes
-    ----------
-    lift
-        Addend of the diagonals: one number, or (v,), one for each view.
-    solved
-        (v, 6, a) H_pp^-1 H_pc.
-    complement
-        (a, a) Schur complement of the poses.
-    """
+    """Factors of the poses' elimination at one damping, for other gradients."""
 
     lift: float | Array
     solved: Array
@@ -271,8 +228,8 @@ class Elimination:
 class System:
     """Damped normal equations of one linearization, solved by the Schur complement of the poses.
 
-    In the blocks of Triggs et al. (2000), c the intrinsics (a of them are free), p the poses; each unknown is
-    scaled to a unit diagonal (Marquardt 1963).
+    In the blocks of Triggs et al. (2000), c the a free intrinsics, p the poses; each unknown is scaled to a
+    unit diagonal (Marquardt 1963).
 
     Attributes
     ----------
@@ -281,7 +238,7 @@ class System:
     h_pp
         Poses, (v, 6, 6).
     h_pc
-        Poses by intrinsics, and in the last column half the gradient of the poses, (v, 6, a + 1).
+        Poses by intrinsics, then half the gradient of the poses, (v, 6, a + 1).
     scale_c, scale_p
         Factors from scaled to true unknowns, (a,) and (v, 6).
     """
@@ -295,16 +252,9 @@ class System:
 
     @classmethod
     def of(cls, rows: Array, weights: Array | None, prior: tuple[Array, Array] | None = None) -> "System":
-        """Build the system.
+        """Normal equations of rows (a + 7, 2, v, n), px, the residuals last, of weight (v, n). None: 1.
 
-        Parameters
-        ----------
-        rows
-            (a + 7, 2, v, n): the Jacobian, and in the last row the residuals, px.
-        weights
-            (v, n) of the points; None: all are 1.
-        prior
-            Information (a, a) and half gradient (a,) that are added to the intrinsics'.
+        The information (a, a) and half gradient (a,) of a prior are added to the intrinsics'.
         """
         size = len(rows) - POSE_SIZE - 1
         if weights is not None:
@@ -335,7 +285,7 @@ class System:
         return dc * self.scale_c, dp * self.scale_p, predicted, elimination
 
     def pose_steps(self, damping: Array) -> tuple[Array, Array]:
-        """Solve for the steps (v, 6) of poses whose intrinsics are held constant, each with its damping (v,).
+        """Solve for steps (v, 6) of poses at constant intrinsics, with dampings (v,).
 
         Also returns the decreases (v,) that they predict.
         """
@@ -368,9 +318,7 @@ class System:
     def _solve(self, damping: float | Array) -> tuple[Array, Array, Elimination]:
         """Solve (H + damping I) x = -g for the scaled steps (a,) and (v, 6).
 
-        The poses are eliminated first: the Schur complement (a, a) of their blocks gives the intrinsics, and
-        substituting these gives the poses. The damping is one number, or (v,) one for each view where no
-        intrinsics are free.
+        One damping, or (v,) if no intrinsics are free.
         """
         size, h_pc = len(self.h_cc), self.h_pc
         lift = damping + 1e-14

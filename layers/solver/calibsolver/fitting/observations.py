@@ -30,8 +30,7 @@ class Observations:
     mask
         (v, n) true where a point was measured.
     scale
-        (v, n) roots of the weights, of mean square 1 over all points: factors of the residuals and their
-        derivatives. None: all are 1.
+        (v, n) roots of the weights, of mean square 1 over all points; None: all are 1.
     """
 
     points: Array
@@ -66,12 +65,12 @@ class Observations:
         return int(self.mask.sum())
 
     def subset(self, index: IntArray) -> "Observations":
-        """Return the observations of some of the views."""
+        """Observations of some of the views."""
         scale = None if self.scale is None else self.scale[index]
         return Observations(self.points[index], self.pixels[index], self.mask[index], scale)
 
     def sort_canonically(self) -> tuple["Observations", "Order"]:
-        """Return the same observations in an order that does not depend on the one they came in."""
+        """Same observations in an order that does not depend on the one they came in."""
         key = np.where(self.mask, self.pixels[:, 0] + MIX * self.pixels[:, 1], np.inf)
         points = np.argsort(key, axis=1, kind="stable")
         key = np.take_along_axis(key, points, axis=1)
@@ -99,20 +98,19 @@ class Order:
     points: IntArray
 
     def back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
-        """Restore values of the ordered views, (v, ...), to the order they came in."""
+        """Values (v, ...) of ordered views in the order they came in."""
         found = np.empty_like(values)
         found[self.views] = values
         return found
 
     def points_back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
-        """Restore values of the ordered points, (v, n), to the order they came in."""
+        """Values (v, n) of ordered points in the order they came in."""
         found = np.empty_like(values)
         found[self.views[:, None], self.points] = values
         return found
 
 
 def _scale(views: Sequence[View], n: int) -> Array | None:
-    """Return the roots (v, n) of weights, of mean square 1 over all points; None if all are equal."""
     if all(view.weights is None for view in views):
         return None
     out = np.ones((len(views), n))

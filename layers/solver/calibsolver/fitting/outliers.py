@@ -6,66 +6,61 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array, IntArray, Mask
-from . import levenberg_marquardt, plausibility
-from .levenberg_marquardt import Options, Problem, State
-from .observations import Observations
+from . import plausibility
+from .levenberg_marquardt import NOISE_FLOOR, Options, Problem, State, robust_sigma
 from .robust_homography import medians
 from .validation import MIN_POINTS
 
 OUTLIER_SIGMAS = 4.0
-"""Sigmas beyond which a point is an outlier: one in 3000 good ones."""
+"""One in 3000 good points lies beyond."""
 GROSS_OUTLIER_SIGMAS = 6.0
-"""Sigmas beyond which a point is a gross outlier. They go first: the rest is tested against a fit that never
-saw them."""
+"""Points beyond are cut first, so that the rest is tested against a fit without them."""
 RIM_SHARE = 0.01
-"""Share of the points, the outermost, that make the rim of the image."""
 MAX_CHANCE_RIM_OUTLIERS = 0.4
-"""Share of the points at the rim that chance alone may make outliers."""
+"""Share of the points at the rim that chance may make outliers."""
 MIN_RIM_EXCESS = 4.0
-"""Share of outliers at the rim / share among all points from which they concentrate there."""
+"""Share of outliers at the rim / among all points, from which they concentrate there."""
 MIN_RIM_POINTS = 12
-"""Points that make the rim at least: of fewer one or two say nothing."""
 MIN_INLIER_SHARE = 0.5
 """Share of its points that a view keeps at least: with fewer it contradicts the others as a whole."""
 MAX_COUNTED_SIGMAS = 6.0
-"""Sigmas beyond which it does not matter any more how far away a point is, when fits are compared."""
+"""Sigmas at which the distance of a point is cut off when fits are compared."""
 MAX_GROSS_REJECTIONS = 4
-"""Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
+"""A model that is too simple would lose point after point."""
 ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
 """Tight: no mask may depend on where the solver happens to stop."""
 LEAST_SQUARES = Options(tolerance=1e-7, one_step=True)
-"""Fits that only distinguish outliers, or from which the optimum or the board's shape is sought."""
 
 
 def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask, bool]:
     """Fit without gross outliers, from a state near the optimum, and its inlier mask (v, n).
 
-    The first mask is that of the robust optimum over the points `mask` of all views that are near now. Every
-    other is that of the least-squares fit to the one before, until two are equal. The last part of the result
-    is True if the state is the least-squares fit to exactly the inliers.
+    The first mask is that of the robust optimum, each other that of the least-squares fit to the one before,
+    until two are equal. The last part of the result is True if the state is the least-squares fit to exactly
+    the inliers.
     """
 
     def inliers() -> Mask:
-        return inlier_mask(state, mask, mask, GROSS_OUTLIER_SIGMAS, problem.img_size)
+        return inlier_mask(state, mask, mask, problem.width, GROSS_OUTLIER_SIGMAS)
 
     # A view of wrong corners would turn a pose, and then the camera.
-    weights = unit_weights(mask & inliers().any(axis=1, keepdims=True))
-    state = problem.solve(state, weights, ROBUST_OPTIMUM)
+    near = mask & inliers().any(axis=1, keepdims=True)
+    state = problem.solve(state, near, ROBUST_OPTIMUM)
     good, previous = inliers(), mask
     for rejections in range(MAX_GROSS_REJECTIONS):
         if not good.any() or np.array_equal(good, previous):
             return state, good, rejections > 0
-        state = problem.solve(state, unit_weights(good), LEAST_SQUARES)
+        state = problem.solve(state, good, LEAST_SQUARES)
         previous, good = good, inliers()
     return state, good, np.array_equal(good, previous)
 
 
-def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:
+def inlier_mask(state: State, mask: Mask, among: Mask, width: int, sigmas: float = OUTLIER_SIGMAS) -> Mask:
     """Inlier mask (v, n): points within so many `sigmas`; of a view that loses most of them, none.
 
-    The noise is that of the points `among` (v, n): what has been left out already does not blur what is left.
+    The noise is that of the points `among` (v, n), without those that were left out before.
     """
-    good = near_points(state, mask, among, sigmas, img_size[0])
+    good = near_points(state, mask, among, sigmas, width)
     if good is not mask:
         count = good.sum(axis=1)
         good &= (count >= np.maximum(MIN_POINTS, MIN_INLIER_SHARE * mask.sum(axis=1)))[:, None]
@@ -73,9 +68,9 @@ def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: 
 
 
 def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int) -> Mask:
-    """Mask (v, n) of the points within so many `sigmas`; `mask` itself where all are. See `inlier_mask`."""
+    """Mask (v, n) of the points within so many `sigmas`; `mask` itself if all are."""
     # Next to a view with unusually low noise, a view with usual noise is not an outlier.
-    sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * width)
+    sigma = max(robust_sigma(state, among), NOISE_FLOOR * width)
     if not np.where(mask, state.square, 0.0).max() > (sigmas * sigma) ** 2:
         return mask
     # Real residuals have longer tails than the median promises; what is kept says how long.
@@ -83,8 +78,7 @@ def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int
         near = state.square[(state.square <= (sigmas * sigma) ** 2) & mask]
         if near.size:
             sigma = max(sigma, math.sqrt(float(near.sum()) / near.size / 2))
-    good: Mask = (state.square <= (sigmas * sigma) ** 2) & mask
-    return good
+    return (state.square <= (sigmas * sigma) ** 2) & mask
 
 
 def trimmed_rms(state: State, mask: Mask) -> float:
@@ -96,7 +90,7 @@ def trimmed_rms(state: State, mask: Mask) -> float:
 def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[State]:
     """Rank states: the likeliest first, with the prior; those that fold the views last.
 
-    A point counts up to some sigmas, the same for all: else a state might win by what it does not explain.
+    The distance of a point is bounded: else a state might win by what it does not explain.
     """
     if len(states) == 1:
         return list(states)
@@ -104,36 +98,31 @@ def rank_states(states: Sequence[State], problem: Problem, mask: Mask) -> list[S
 
     def score(state: State) -> tuple[bool, float]:
         explained = np.minimum(state.square[mask] / sigma2, MAX_COUNTED_SIGMAS**2)
-        folds = (
-            plausibility.share_outside_domain(problem, state, mask) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN
-        )
+        folds = plausibility.folds(problem, state, mask)
         return folds, float(explained.sum() + state.prior_residuals @ state.prior_residuals)
 
     return sorted(states, key=score)
 
 
 def views_beyond_threshold(state: State, mask: Mask) -> IntArray:
-    """Find views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
-    sigma = levenberg_marquardt.robust_sigma(state, mask)
+    """Views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
+    sigma = robust_sigma(state, mask)
     return np.flatnonzero((medians(state.square, mask) > (OUTLIER_SIGMAS * sigma) ** 2) & mask.any(axis=1))
 
 
 def unit_weights(good: Mask) -> Array:
-    """Weights (v, n): 1 for the good, 0 for others. The pose of a view without any stays where it is."""
+    """Weights (v, n): 1 for the good, 0 for others."""
     return good.astype(np.float64)
 
 
-def outliers_concentrate_at_rim(
-    good: Mask, among: Mask, obs: Observations, img_size: tuple[int, int]
-) -> bool:
+def concentrate_at_rim(problem: Problem, good: Mask, among: Mask) -> bool:
     """True if the outliers `among` some points (v, n) concentrate at the rim of the image.
 
-    Corners that were found badly lie anywhere. Where the rim is cut it may be the model that fails there,
-    and without these points it would fail unseen.
+    There it may be the model that fails, unseen without these points.
     """
     if np.array_equal(good, among):
         return False
-    offsets = obs.pixels - (np.asarray(img_size) / 2)[None, :, None]
+    offsets = problem.obs.pixels - (np.asarray(problem.img_size) / 2)[None, :, None]
     radius = np.hypot(offsets[:, 0], offsets[:, 1])[among]
     share = max(RIM_SHARE, min(MIN_RIM_POINTS / radius.size, 1.0))
     inner = math.ceil((radius.size - 1) * (1 - share))

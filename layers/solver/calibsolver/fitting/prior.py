@@ -9,13 +9,12 @@ from ..arrays import Array
 from ..models import Model
 
 MAX_SQUARED_RADIUS = 6.0
-"""Squared image radius, in focal lengths, towards which that of ever wider lenses saturates: on a fisheye
-of 180 degrees and more the distortion is a series in the angle, which ends at about 1.6 while the radius
-keeps growing."""
+"""Squared image radius, in focal lengths, towards which that of ever wider lenses saturates. On a fisheye
+of 180 degrees and more the distortion is a series in the angle, which ends at about 1.6."""
 STRETCH = ((0.5, 0.2), (0.8, 0.35), (1.1, 0.5))
-"""Image radius / distance of the corner, and how far the radial stretch there, d(distorted)/d(undistorted
-radius), is believed to lie from 1: without this the coefficients, each modest, may fold the corners between
-them."""
+"""Image radius / distance of the corner, and standard deviation of the radial stretch there,
+d(distorted)/d(undistorted radius), from 1: without this the coefficients, each modest, may fold the
+corners."""
 
 
 class Weights:
@@ -39,10 +38,7 @@ class Weights:
         self.grown = np.concatenate([edge, slope])
 
 
-@lru_cache(maxsize=16)
-def weights(model: Model) -> Weights:
-    """Return the constants of a model's prior."""
-    return Weights(model)
+weights = lru_cache(maxsize=16)(Weights)
 
 
 def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array, Array]:
@@ -92,5 +88,4 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
 def information(model: Model, k: Array, img_size: tuple[int, int]) -> Array:
     """Information matrix (p, p) of the prior at k."""
     _, j = residuals(model, k, img_size)
-    m: Array = j.T @ j
-    return m
+    return j.T @ j

@@ -20,11 +20,8 @@ from .validation import in_range
 MAX_ITERATIONS = 60
 FIRST_DAMPING = 1e-6
 MIN_DECREASE = 1e-8
-"""Relative decrease of a view's squared error below which its pose is left."""
 MIN_POSE_POINTS = 4
-"""Points of a plane that make a pose."""
 ASSESS_STEPS = np.frompyfunc(assess_step, 3, 2)
-"""`assess_step` of each view: its arguments and its results are (v,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +30,11 @@ class ReprojectionScore:
 
     Attributes
     ----------
-    rms
-        px, root of the mean square distance over all points of all views; infinite where a view cannot be
-        explained at all.
-    view_errors
-        (v,) px, the same for each view.
+    rms, view_errors
+        px, root of the mean square distance over all points, and of each view (v,); infinite if a view cannot
+        be explained.
     poses
-        (v, 6) rvec|tvec, board -> camera, board units; NaN where a view cannot be explained at all.
+        (v, 6) rvec|tvec, board -> camera, board units; NaN if a view cannot be explained.
     """
 
     rms: float
@@ -49,7 +44,7 @@ class ReprojectionScore:
 
 @undetermined()
 def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionScore:
-    """Measure the reprojection error of `views` under `camera`: all poses fitted, all points alike.
+    """Reprojection error of `views` under `camera`: all poses fitted, all points alike.
 
     Raises CalibrationError (``no_views``, ``too_few_points``, ``out_of_range``).
     """
@@ -70,9 +65,8 @@ def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionSco
 def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
     """Fit the pose of every view under intrinsics k (p,): poses, and summed squared distances (v,) px^2.
 
-    Levenberg-Marquardt from the linear solution with the intrinsics held constant. Nothing couples the views
-    then: every view has its own damping and its own accept test, and one that no pose explains does not stop
-    the others. The sum is infinite where the camera cannot see a view.
+    Levenberg-Marquardt from the linear solution, with a damping and an accept test for each view. The sum is
+    infinite if the camera cannot see a view.
     """
     with np.errstate(all="ignore"):  # views that these intrinsics cannot explain run away
         poses = initial_guess.at(model, obs, k).poses
@@ -89,11 +83,11 @@ def resect(model: Model, k: Array, obs: Observations) -> tuple[Poses, Array]:
                 break
             before = cost[views]
             step, predicted = System.of(rows, None).pose_steps(damping)
-            moved = Poses(poses.r[views], poses.t[views]).retract(step)
+            moved = poses.subset(views).retract(step)
             moved_rows, after = pose_rows(model, k, moved, obs)
             accepted, damping = (x.astype(float) for x in ASSESS_STEPS(damping, before - after, predicted))
             better = accepted > 0
-            poses = poses.replace(views[better], Poses(moved.r[better], moved.t[better]))
+            poses = poses.replace(views[better], moved.subset(better))
             cost[views[better]] = after[better]
             rows = np.where(better[:, None], moved_rows, rows)
             decrease = np.where(better, before - after, np.inf)

@@ -1,7 +1,7 @@
 """Rivals of a calibration: cameras of other models that explain its views as well.
 
-They draw the same picture where the board has been. Elsewhere only the form of the model says what it is.
-The covariance takes the model for granted, so there the distance of the rivals is part of the error.
+They draw the same picture where the board has been. Elsewhere only the form of the model decides. The
+covariance takes the model for granted, so there the distance of the rivals is part of the error.
 """
 
 from dataclasses import dataclass
@@ -14,18 +14,11 @@ from ..camera import Camera, pixel_grid
 from .uncertainty import projection_jacobian_rotation_free, variance
 
 DIRECTIONS = 72
-"""Directions in which the hull is bounded by its outermost corner."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """Convex hull of corners, by its outermost ones.
-
-    Attributes
-    ----------
-    farthest
-        (DIRECTIONS,) px, largest coordinate along each direction.
-    """
+    """Convex hull of corners: (DIRECTIONS,) px, their largest coordinate along each direction."""
 
     farthest: Array
 
@@ -35,7 +28,7 @@ class Hull:
         return cls((points @ _directions()).max(axis=0, initial=-np.inf))
 
     def contains(self, pixels: Array) -> Mask:
-        """Tell (n,) which pixels (n, 2) lie in the hull."""
+        """True (n,) for pixels (n, 2) in the hull."""
         return np.asarray((pixels @ _directions() <= self.farthest).all(axis=1))
 
 
@@ -61,25 +54,16 @@ class Rival:
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """Cameras that explain the views as well, and the hull of the corners.
-
-    Attributes
-    ----------
-    rivals
-        Cameras of other models.
-    hull
-        Outside it they count.
-    """
+    """Cameras that explain the views as well, and the hull of the corners, outside of which they count."""
 
     rivals: tuple[Rival, ...]
     hull: Hull
 
     def square_error(self, camera: Camera, grid: tuple[int, int]) -> Array:
-        """Largest square error (rows * columns,) px^2 of a camera, if a rival is right, at grid cells.
+        """Largest square error (rows * columns,) px^2 of a camera, if a rival is right, at cells of a grid.
 
-        Its square distance from the rival's projections, and the variance of these. 0 in the hull. A turn of
-        the camera that makes both alike in the hull is no difference (Kabsch 1976). Rivals do not count where
-        they have no picture.
+        The square distance from the rival's projections after the turn that makes both alike in the hull
+        (Kabsch 1976), and their variance. 0 in the hull, and where rivals have no picture.
         """
         q = pixel_grid(camera.img_size, grid).reshape(2, -1)
         inside = self.hull.contains(q.T)

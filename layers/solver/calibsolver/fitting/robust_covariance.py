@@ -1,30 +1,30 @@
 """Robust covariance of the intrinsics: error bars that hold where residuals are not white noise.
 
-On real cameras the corners of one view err together: the board bends, the rows are read out while the hand
-moves. These effects (`systematic_effects`) shift the intrinsics by far more than the noise of corners, and
-leave their traces in the residuals. So they are random effects (Laird & Ware 1982), whose variances the
-residuals show (method of moments, Rao 1970): motion different in each view, the same bend in all.
+On real cameras the corners of one view err together: the board bends, the hand moves during the readout.
+These effects (`systematic_effects`) shift the intrinsics by far more than the noise of corners, and leave
+their traces in the residuals. So they are random effects (Laird & Ware 1982), whose variances the residuals
+show (method of moments, Rao 1970): motion different in each view, the same bend in all.
 
 With M the information of all views and of the prior at unit noise, T a whitening (T'MT = 1), of cluster c the
 whitened gradient h = T'g, information B = T'ST, and Z the effects there, their pose projected out:
 
     moments of the residuals r, which are (1 - AT T'A') (noise + Z effects), of Z'r in each cluster (motion)
     and over all (bend), give the variances of motion, m, and bend, s, in units of sigma^2. Only what exceeds
-    the mean under white noise by a standard deviation counts, so that chance seldom looks like an effect.
-    Points that the fit cut, but effects on their view explain, count here: motion moves them farthest.
-    Where motion is most of the residuals, its likelihood may say that m is larger (`effect_likelihood`).
+    the mean under white noise by a standard deviation counts. Points that the fit cut, but effects on their
+    view explain, count here: motion moves them farthest.
+    Where motion is most of the residuals, its likelihood may say that m is larger (`EffectLikelihood`).
     covariance = sigma^2 T [1 - sum B + f sum (B + m K_m K_m') + k (sum K_b) S (sum K_b)'] T'
 
 with K = T'A'Z the pull of the effects on the intrinsics, S the second moment of the bend given the residuals
-(its best estimate and what is left open; few views may show less than s, then S is smaller), k the share
-`BEND_SHARE`, or more, up to 1, where the bend is most of the residuals. The inflation f is for all other
-errors of a view. Views are the clusters of a "sandwich" covariance (Huber 1967; White 1980; Liang & Zeger
-1986), f the quotient of the gradients' scatter and what noise and motion explain, corrected for the part that
-each cluster takes in the fit (Bell & McCaffrey 2002), with a prior (Gelman et al., "Bayesian Data Analysis",
-2.6), and at least 1. What the intrinsics' prior contributes, 1 - sum B, is not inflated. It is positive
-definite always, and under white noise hardly larger than sigma^2 M^-1.
+(few views may show less than s, then S is smaller), k the share `BEND_SHARE`, or more, up to 1, where the
+bend is most of the residuals. The inflation f is for all other errors of a view. Views are the clusters of a
+"sandwich" covariance (Huber 1967; White 1980; Liang & Zeger 1986), f the quotient of the gradients' scatter
+and what noise and motion explain, corrected for the part that each cluster takes in the fit (Bell & McCaffrey
+2002), with a prior (Gelman et al., "Bayesian Data Analysis", 2.6), and at least 1. The prior's 1 - sum B is
+not inflated. The covariance is always positive definite, and under white noise hardly larger than sigma^2
+M^-1.
 
-Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
+Views in nearly the same pose, such as frames of a burst, share their errors and are one cluster.
 """
 
 from collections.abc import Iterator
@@ -34,27 +34,31 @@ import numpy as np
 
 from .. import rotation
 from ..arrays import Array, IntArray, Mask, dot, whitening
-from . import normal_equations
-from .effect_likelihood import EffectLikelihood, trust
-from .effect_moments import EffectMoments
-from .normal_equations import POSE_SIZE, Poses, Projection
+from .effect_variances import EffectLikelihood, EffectMoments, trust
+from .normal_equations import (
+    POSE_SIZE,
+    Poses,
+    Projection,
+    products_of_rows,
+    projected_gram_matrices,
+    solve_or_nan,
+)
 from .observations import Observations
 
 PRIOR_INFLATION_FREEDOM = 30.0
-"""Weight of the prior of f, which is 1, in degrees of freedom."""
+"""Degrees of freedom of the prior of f, which is 1."""
 BEND_SHARE = 0.25
 """Share of the variance by the common bend that counts, unless it is most of what the residuals show. The
-truth differs by all of it, a second calibration with the same board by nothing: with a quarter, half in px,
-neither is more than twice as far as predicted."""
+truth differs by all of it, a second calibration with the same board by nothing: with a quarter, half
+in px, neither is more than twice as far as predicted."""
 SAME_POSE_WIDTHS = 0.02
-"""Distance between two views of the board, rms over its corners / image width, up to which they are one
+"""Distance between two views of the board, rms over its corners / image width, up to which they are a
 cluster."""
 MIN_EXPECTED = 1e-9
-"""Share of the metric below which the views say nothing of their own error."""
+"""Share of the metric below which the views do not show their own error."""
 MAX_BLOCK_NUMBERS = 2**15
-"""Numbers of a Jacobian that are worked on at once."""
+"""Numbers of a Jacobian per block, which fit in the cache."""
 MAX_BLOCK_ROWS = 1024
-"""Rows of the matrix of distances that are computed at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,14 +68,12 @@ class Evidence:
     Attributes
     ----------
     gram
-        (c, p + e + 1, ...) Gram matrices of the derivatives by the intrinsics, the systematic
-        effects and the residuals, px^2: of the first alone it is the Fisher information.
+        (c, p + e + 1, ...) Gram matrices of intrinsics, systematic effects and residuals, px^2.
     metric
-        (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the
-        rotation of the camera frame that fits best removed, px^2.
+        (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the best
+        rotation of the camera frame removed, px^2.
     of_effects
-        As `gram`, of more points: also of those that the fit cut, but an effect explains. They
-        determine the variances. None: there are none.
+        As `gram`, also of points that the fit cut, but an effect explains; None: there are none.
     """
 
     gram: Array
@@ -88,18 +90,17 @@ class Evidence:
         metric: Array | None = None,
         used: Mask | None = None,
     ) -> "Evidence":
-        """Gather the evidence of rows (p + 7, 2, v, n), poses and the cluster (v,) of each view.
+        """Gather the evidence of the points `used` (v, n), or all, in clusters (v,) of views.
 
-        The last row holds the residuals, px, `effects` (e, 2, v, n) displacements by the effects; of points
-        `used` (v, n), or all. A `metric` (p, p) takes the place of the one at the corners seen, which is
-        that of one camera.
+        `rows` (p + 7, 2, v, n), px, end with the residuals, `effects` (e, 2, v, n) are displacements. A
+        `metric` (p, p) replaces that of one camera at the corners seen.
         """
         size, views = len(rows) - POSE_SIZE - 1, len(labels)
         columns = size + len(effects) + 1
         gram, turned = np.empty((views, columns, columns)), np.zeros((size + 3, size + 3))
         for block, parts, counted in _blocks(rows, effects, used):
             projection = Projection.of(parts, counted)
-            gram[block] = normal_equations.products_of_rows(projection.left)
+            gram[block] = products_of_rows(projection.left)
             if metric is None:
                 turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
         if metric is None:
@@ -107,19 +108,16 @@ class Evidence:
         return cls(_sum_by(gram, labels), metric)
 
 
-def cluster_grams(rows: Array, effects: Array, labels: IntArray, used: Mask | None) -> Array:
-    """Gram matrices (c, ...) as those of `Evidence.of`, for variances: rounding does not matter."""
-    gram = [
-        normal_equations.projected_gram_matrices(parts, counted)
-        for _, parts, counted in _blocks(rows, effects, used)
-    ]
+def cluster_grams(rows: Array, effects: Array, labels: IntArray, used: Mask) -> Array:
+    """Gram matrices (c, ...) as of `Evidence.of`: faster, but they lose digits."""
+    gram = [projected_gram_matrices(parts, counted) for _, parts, counted in _blocks(rows, effects, used)]
     return _sum_by(np.concatenate(gram), labels)
 
 
 def with_more_points(
     gram: Array, rows: Array, effects: Array, labels: IntArray, used: Mask, seen: Mask
 ) -> Array:
-    """Gram matrices (c, ...) as `gram`, of the points `seen` (v, n) in the place of those `used`."""
+    """Gram matrices (c, ...) of the points `seen` (v, n) instead of those `used`."""
     changed = np.flatnonzero((seen != used).any(axis=1))
     part = rows[:, :, changed], effects[:, :, changed], np.arange(len(changed))
     change = cluster_grams(*part, seen[changed]) - cluster_grams(*part, used[changed])
@@ -131,10 +129,7 @@ def with_more_points(
 def _blocks(
     rows: Array, effects: Array, used: Mask | None
 ) -> Iterator[tuple[slice, tuple[Array, ...], Mask | None]]:
-    """Yield views in blocks: their rows in the order of `Evidence.gram`, the pose's last, and points used.
-
-    Data beyond the cache, and newly mapped memory, cost several times as much.
-    """
+    """Yield views in blocks: their rows in the order of `Evidence.gram`, the pose's last, and points used."""
     size, views = len(rows) - POSE_SIZE - 1, rows.shape[2]
     step = max(1, MAX_BLOCK_NUMBERS // ((len(rows) - POSE_SIZE + len(effects)) * rows[0, :, 0].size))
     for block in (slice(first, first + step) for first in range(0, views, step)):
@@ -153,10 +148,9 @@ def _sum_by(values: Array, labels: IntArray) -> Array:
 
 
 def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
-    """Gram matrix (p + 3, p + 3) of the derivatives by intrinsics and a turn about the camera's centre.
+    """Gram matrix (p + 3, p + 3) by intrinsics and a turn about the camera's centre, summed over the views.
 
-    Sum over the views. `left` (v, p, p): what the poses leave of the intrinsics' part; `t` (v, 3): places of
-    the boards.
+    `left` (v, p, p): what the poses leave of the intrinsics' part; `t` (v, 3): places of the boards.
     """
     size = left.shape[1]
     by_pose = projection.by_pose[:, :, :size]
@@ -173,25 +167,18 @@ def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
 
 
 def _observed_error_metric(turned: Array, points: float) -> Array:
-    """Metric (p, p) of the projection error at so many points, of their `_turned_gram`; see `Evidence`."""
+    """Metric (p, p) of `Evidence` at so many points, of their `_turned_gram`."""
     total, by_turn, turns = turned[:-3, :-3], turned[-3:, :-3], turned[-3:, -3:]
-    removed = by_turn.T @ normal_equations.solve_or_nan(turns, by_turn)
+    removed = by_turn.T @ solve_or_nan(turns, by_turn)
     metric: Array = (total - removed) / points
     return metric if np.isfinite(metric).all() else total
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Covariance of the intrinsics and what it was made of.
+    """Covariance (p, p) of the intrinsics, and information (p, p), the inverse at white noise of the corners.
 
-    Attributes
-    ----------
-    covariance
-        (p, p) cluster-robust covariance.
-    information
-        (p, p) Fisher information, the inverse of the covariance that white noise of the corners would give.
-    inflation
-        Variance of projections / that which white noise would give, >= 1.
+    `inflation`: variance of projections / that at white noise, >= 1.
     """
 
     covariance: Array
@@ -200,14 +187,9 @@ class Result:
 
 
 def estimate(evidence: Evidence, sigma: float, prior_information: Array | None = None) -> Result:
-    """Estimate the covariance of the intrinsics; see the module's docstring.
+    """Estimate the covariance of the intrinsics at a noise `sigma`, px per coordinate; see the module.
 
-    Parameters
-    ----------
-    sigma
-        px, standard deviation of one coordinate of a corner.
-    prior_information
-        (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None if it took no part.
+    The information (p, p) of the intrinsics' prior is in units of 1 / sigma^2; None if it took no part.
     """
     size = len(evidence.metric)
     information, basis, whitened = _whitened(evidence.gram, size, prior_information)
@@ -251,7 +233,7 @@ def _whitened(gram: Array, size: int, prior_information: Array | None) -> tuple[
 
 
 def scatter_inflation(w: Array, b: Array, working: Array, h: Array) -> float:
-    """Inflation by what is neither noise nor motion; matrices are whitened, of unit noise.
+    """Inflation by what is neither noise nor motion, of whitened matrices at unit noise.
 
     Metric (p, p), information (c, p, p), covariance of the gradients before the fit took its part (c, p, p),
     and gradients (c, p).
@@ -270,15 +252,8 @@ def scatter_inflation(w: Array, b: Array, working: Array, h: Array) -> float:
 def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: float) -> IntArray:
     """Assign views in nearly the same pose to clusters (v,), numbered from 0.
 
-    In the order of the views, each joins the first one before it that is near and began a cluster: a slow
-    movement makes several.
-
-    Parameters
-    ----------
-    used
-        (v, n) points that count.
-    focal_widths
-        px per radian / image width.
+    In their order, each joins the first view before it that is near and began a cluster: a slow movement
+    makes several.
     """
     x, y = (obs.points[:, axis][used] for axis in (0, 1))
     left, right, low, high = x.min(), x.max(), y.min(), y.max()

@@ -1,4 +1,4 @@
-"""Robust homographies of views in which some points are wrong: corners under others' ids, other things.
+"""Robust homographies of views in which some points are wrong.
 
 Least median of squares (LMedS): of homographies through random samples the one whose median error over the
 view's points is least (Rousseeuw 1984; Fischler & Bolles 1981), then the one through all its inliers.
@@ -17,26 +17,15 @@ SAMPLES, SAMPLE_SIZE = 60, 5
 MAX_CURVATURE = 0.03
 """Median error of a homography / extent of the view: lenses do not bend images by more, wrong ids do."""
 INLIER_LMEDS_MEDIANS = 3.0
-"""Median errors within which a point is an inlier."""
 
 
 def fit_homographies_lmeds(
     points: Array, rays: Array, mask: Mask, allowed: float = MAX_CURVATURE
 ) -> tuple[Homographies, Array]:
-    """Fit the homographies of views (v) to all points, or to the inliers where that is much better.
+    """Homographies of views (v) through all points in the mask (v, n), or the inliers if that is much better.
 
-    Also returns the weights (v, n), 0 or 1, of the points that they go through.
-
-    Parameters
-    ----------
-    points
-        (v, 3, n), board frame.
-    rays
-        (v, 3, n) unit rays, camera frame; NaN where there are none.
-    mask
-        (v, n) points that count.
-    allowed
-        Median error / extent of a view up to which all its points are trusted.
+    Also returns the weights (v, n), 0 or 1, of these points. `points` and unit `rays` are (v, 3, n), rays may
+    be NaN. All points of a view are trusted up to a median error / extent that is `allowed`.
     """
     usable = mask & np.isfinite(rays[:, 0])
     if not usable.all():
@@ -56,7 +45,7 @@ def fit_homographies_lmeds(
 
 
 def lmeds_inliers(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float]:
-    """Find the inliers (n,) of one view by LMedS, and the median error of the best sample, radians."""
+    """Inliers (n,) of one view by LMedS, and the median error of the best sample, radians."""
     index = np.flatnonzero(usable)
     drawn = index[samples_of(len(index))]
     xyz, rays_of_samples = (np.moveaxis(each[:, drawn], 0, 1) for each in (points, rays))
@@ -70,13 +59,13 @@ def lmeds_inliers(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float
 
 @lru_cache(maxsize=64)
 def samples_of(count: int) -> IntArray:
-    """Draw the samples (SAMPLES, SAMPLE_SIZE) of so many points, the same every time."""
+    """Samples (SAMPLES, SAMPLE_SIZE) of so many points, the same every time."""
     order = np.random.default_rng(count).random((SAMPLES, count)).argsort(axis=1)
     return order[:, :SAMPLE_SIZE]
 
 
 def medians(values: Array, mask: Mask) -> Array:
-    """Median (v,) of the values (v, n) that the mask holds, the lower of two; inf where there is none."""
+    """Median (v,) of the values (v, n) in the mask, the lower of two; inf if there is none."""
     half = np.maximum(mask.sum(axis=1) - 1, 0) // 2
     if half.min() == half.max() and mask.all():
         middle: Array = np.partition(values, half[0], axis=1)[:, half[0]]

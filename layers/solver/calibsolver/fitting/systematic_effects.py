@@ -1,8 +1,8 @@
 """Systematic effects within a view: a board that bends, and a hand that moves while rows are read out.
 
-Each shifts all corners of a view together, in a way that is known up to a few numbers: three quadratic terms
-of the board's height, and six of its velocity during the readout, in proportion to the row. Their standard
-deviations are those in the hands of people with boards of paper.
+Each shifts all corners of a view together, by a few numbers: three quadratic terms of the board's height, and
+six of its velocity during the readout, in proportion to the row. Standard deviations are those of boards of
+paper in hands.
 """
 
 import numpy as np
@@ -13,32 +13,25 @@ from .normal_equations import POSE_SIZE, RIDGE, Poses, solve_or_nan
 BEND_SIZE = 3
 """Terms of bend: height by x^2, xy and y^2."""
 EFFECTS_SIZE = BEND_SIZE + POSE_SIZE
-"""Effects: the terms of bend, then the motion, three of rotation and three of translation."""
+"""The terms of bend, then the motion: three of rotation, three of translation."""
 SAG_STD_BOARDS = 0.003
-"""Standard deviation of the height of each quadratic term at the board's rim / longer side."""
+"""Height of each quadratic term at the board's rim / longer side."""
 SHUTTER_ROTATION_STD_RAD = 0.001
-"""Standard deviation of the rotation about each axis from the middle row of the image to an outermost one."""
+"""Rotation about each axis from the middle row of the image to an outermost one."""
 SHUTTER_SHIFT_STD_BOARDS = 0.001
-"""Standard deviation of the translation along each axis meanwhile / longer side of the board."""
+"""Translation along each axis meanwhile / longer side of the board."""
 
 
 def row_position(y: Array, img_height: int) -> Array:
     """Rows (...) of pixels, from the middle of the image, in halves of its height."""
-    position: Array = (y - (img_height - 1) / 2) / max(img_height / 2, 1.0)
-    return position
+    return (y - (img_height - 1) / 2) / max(img_height / 2, 1.0)
 
 
 def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Array:
     """Displacements (EFFECTS_SIZE, 2, v, n), px, by a standard deviation of each effect.
 
-    Parameters
-    ----------
-    by_pose
-        (6, 2, v, n) derivatives of the pixels by rotation and translation.
-    points
-        (v, 3, n) or, for all views, (3, n); board frame.
-    row
-        (v, n) as `row_position`.
+    `by_pose` (6, 2, v, n) are derivatives of the pixels, `points` (v, 3, n) or, for all views, (3, n), board
+    frame, `row` (v, n) as `row_position`.
     """
     x, y = points[..., 0, :], points[..., 1, :]
     half = _half_extent(points)
@@ -50,20 +43,17 @@ def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Ar
     out = np.empty((EFFECTS_SIZE, *by_pose.shape[1:]))
     for i, term in enumerate((across * across, across * down, down * down)):
         np.multiply(by_height, term, out=out[i])
-    _fill_motion(by_pose, half, row, out[BEND_SIZE:])
+    out[BEND_SIZE:] = motion(by_pose, points, row)
     return out
 
 
 def motion(by_pose: Array, points: Array, row: Array) -> Array:
     """Displacements (POSE_SIZE, 2, v, n), px, by a standard deviation of motion; see `displacements`."""
     out = np.empty_like(by_pose)
-    _fill_motion(by_pose, _half_extent(points), row, out)
-    return out
-
-
-def _fill_motion(by_pose: Array, half: float, row: Array, out: Array) -> None:
     np.multiply(by_pose[:3], row * SHUTTER_ROTATION_STD_RAD, out=out[:3])
-    np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[3:])
+    longer = 2 * _half_extent(points)
+    np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * longer), out=out[3:])
+    return out
 
 
 def _half_extent(points: Array) -> float:
@@ -75,27 +65,14 @@ def _half_extent(points: Array) -> float:
 def explained_points(
     rows: Array, effects: Array, good: Mask, among: Mask, sigma: float, limit: float
 ) -> Mask:
-    """Find points (v, n) that an outlier test cut, and that effects on their view explain: no wrong corners.
+    """Good points (v, n), and others `among` some that effects on their view explain: no wrong corners.
 
-    Pose and effects are fitted to the good points of each view, and predict the others.
-
-    Parameters
-    ----------
-    rows, effects
-        (... + 7, 2, v, n) with the derivatives by the pose and the residuals last, and `displacements`
-        (EFFECTS_SIZE, 2, v, n), px.
-    good, among
-        (v, n) points of the fit, which are returned too, and those that may be.
-    sigma, limit
-        px, noise of a coordinate, and distance from the prediction up to which a point is explained.
+    Pose and `effects` (EFFECTS_SIZE, 2, v, n) are fitted to the good points of each view, and predict the
+    others, up to the `limit`, px. `rows` (... + 7, 2, v, n) end with the derivatives by the pose and the
+    residuals, of noise `sigma`, px.
     """
-    cut = (among & ~good).any(axis=1)
-    if not cut.all():  # only views that lost points have any to regain
-        explained = good.copy()
-        if cut.any():
-            part = rows[:, :, cut], effects[:, :, cut], good[cut], among[cut]
-            explained[cut] = explained_points(*part, sigma, limit)
-        return explained
+    if not (among & ~good).any():
+        return good
     design = np.concatenate([rows[-POSE_SIZE - 1 : -1], effects, rows[-1:]]).transpose(2, 0, 1, 3)
     flat, fitted = (
         each.reshape(len(each), len(each[0]), -1) for each in (design, design * good[:, None, None])

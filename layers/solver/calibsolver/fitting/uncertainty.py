@@ -1,8 +1,8 @@
 """Projection uncertainty: the covariance of the intrinsics, propagated to the image.
 
-A turn of the camera frame is not an error of a calibration, because users estimate the pose. So the
-rotation that fits best over the whole image is projected out first (mrcal's "projection uncertainty" does
-the same with the poses of the boards; here the points lie at infinity and only a rotation remains).
+A turn of the camera frame is not an error, because users estimate the pose. So the rotation that fits best
+over the whole image is projected out first (mrcal's "projection uncertainty" does the same with the poses of
+the boards; here the points lie at infinity and only a rotation remains).
 """
 
 from dataclasses import dataclass
@@ -14,22 +14,14 @@ from ..camera import pixel_grid
 from ..models import Model
 
 MIN_STRETCH = 0.25
-"""Radial magnification / that on the axis, below which a small change of the coefficients ends the domain.
-Real corners have 0.34 at least (a fisheye lens, 93 degrees)."""
+"""Radial magnification / that on the axis, below which a small change of the coefficients ends the
+domain. Real corners have 0.34 at least (a fisheye lens, 93 degrees)."""
 ANGLE_STEPS = 256
 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Predicted error of a projection over a grid of the image.
-
-    Attributes
-    ----------
-    rms, max
-        px, root mean square and maximum where the model has a ray.
-    coverage
-        Share of the image for which they stand.
-    """
+    """Predicted error of a projection, px rms and maximum, and the share of the image that has rays."""
 
     rms: float
     max: float
@@ -39,10 +31,9 @@ class Uncertainty:
 def projection_jacobian_rotation_free(
     model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int], among: Mask | None = None
 ) -> Array:
-    """Compute the derivative (n, 2, p) of projection by intrinsics over a grid, best rotation removed.
+    """Derivative (columns * rows, 2, p) of projection by intrinsics over a grid, best rotation removed.
 
-    Rows are NaN where the pixel has no ray: outside the model's one-to-one domain, or beyond
-    `determined_half_angle`; and those that are not `among` (n,) the pixels. n = columns * rows.
+    NaN outside the model's one-to-one domain, beyond `determined_half_angle`, and if not `among` the pixels.
     """
     v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
     out = np.full((v.shape[1], 2, model.size), np.nan)
@@ -67,8 +58,8 @@ def projection_jacobian_rotation_free(
 def determined_half_angle(model: Model, k: Array, largest: float) -> float:
     """Angle from the axis, up to the `largest`, at which the radial magnification falls below MIN_STRETCH.
 
-    Infinite if it does not. There the domain ends in some fits of a lens and not in others: counted in the
-    latter only, its rim would let the error jump from one view to the next.
+    Infinite if it does not. The domain ends there in some fits of a lens and not in others: the error would
+    jump.
     """
     angle = np.linspace(0, largest, ANGLE_STEPS)
     ray = np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)])
@@ -87,8 +78,7 @@ def image_error_metric(d: Array) -> Array:
     """
     seen = d[np.isfinite(d[:, 0, 0])]
     flat = seen.reshape(-1, d.shape[2])
-    w: Array = flat.T @ flat / max(len(seen), 1)
-    return w
+    return flat.T @ flat / max(len(seen), 1)
 
 
 def variance(d: Array, covariance: Array) -> Array:

@@ -10,30 +10,30 @@ from ..view import View
 from .observations import Observations
 
 MIN_POINTS = 6
-"""A view has six unknowns of its own; fewer points say nothing about the camera."""
+"""A view has six unknowns; fewer points determine nothing of the camera."""
 MIN_FLATNESS_BOARD, MIN_FLATNESS_IMAGE = 0.02, 1e-3
 """Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
 MIN_EXTENT_PX = 4.0
 """Extent of the points in the image below which they lie in one place."""
 MAX_RELIEF = 0.1
-"""Height of a bent board over its plane / its longer side, above which points do not lie on a board."""
+"""Height of a bent board over its plane / its longer side."""
 MAX_IMAGE_DISTANCE, MAX_BOARD_DISTANCE = 10.0, 1e9
 """Image sizes from the middle of the image, and units of the board, within which points are."""
 
 
 MAX_OUTSIDE = 0.05
-"""Distance of a point from the image / its longer side, above which the size is wrong and not the point."""
+"""Distance of a point from the image / its longer side, above which the size is wrong."""
 
 
 def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
-    """Pack views, or refuse those that no fit could use: CalibrationError, see `fit`."""
+    """Pack views, or raise CalibrationError for those that no fit could use, see `fit`."""
     obs = pack(views, img_size)
     refuse(degenerate_views(obs), "degenerate", "the points of view {} lie on a line or in one place")
     return obs
 
 
 def pack(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
-    """Pack views as `check` does, the degenerate ones too."""
+    """Pack views as `check` does, with the degenerate ones."""
     views = list(views or ())
     try:
         w, h = img_size
@@ -66,7 +66,7 @@ def pack(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
 
 
 def degenerate_views(obs: Observations) -> Mask:
-    """Find the views (v,) whose points lie on a line or in one place: they have no pose of their own."""
+    """Views (v,) whose points lie on a line or in one place: they have no pose of their own."""
     p, q = obs.points, obs.pixels
     small = (q.max(axis=2) - q.min(axis=2)).max(axis=1) < MIN_EXTENT_PX
     flat = (flatness(p[:, :2], obs.mask) < MIN_FLATNESS_BOARD) | (flatness(q, obs.mask) < MIN_FLATNESS_IMAGE)
@@ -75,7 +75,7 @@ def degenerate_views(obs: Observations) -> Mask:
 
 
 def in_range(obs: Observations, img_size: tuple[int, int]) -> Observations:
-    """Check that points are within the range of the computations, and return them."""
+    """Observations whose points are within the range of the computations; raises CalibrationError."""
     middle = np.array([[img_size[0] / 2], [img_size[1] / 2]])
     off = np.abs(obs.pixels - middle).max(axis=(1, 2)) > MAX_IMAGE_DISTANCE * max(img_size)
     refuse(
@@ -93,38 +93,32 @@ def refuse(bad: Mask, code: str, message: str) -> None:
 
 
 def subtract_mean(points: Array, mask: Mask) -> Array:
-    """Points (v, 2, n) relative to the mean of those that the mask (v, n) holds; 0 elsewhere."""
+    """Points (v, 2, n) relative to the mean of those in the mask (v, n); 0 elsewhere."""
     mean = (points @ (mask / mask.sum(axis=1, keepdims=True))[:, :, None]) if not mask.all() else None
     out: Array = points - (points.mean(axis=2, keepdims=True) if mean is None else mean)
     return out if mean is None else out * mask[:, None]
 
 
 def flatness(points: Array, mask: Mask) -> Array:
-    """Smaller over larger principal extent (v,) of points (v, 2, n): 0 where they lie on a line."""
+    """Smaller over larger principal extent (v,) of points (v, 2, n): 0 if they lie on a line."""
     x = subtract_mean(points, mask)
     m = x @ x.transpose(0, 2, 1)
     xx, yy, xy = m[:, 0, 0], m[:, 1, 1], m[:, 0, 1]
     # Eigenvalues of the 2x2 scatter matrix; the smaller from the determinant, free of cancellation.
     larger = (xx + yy + np.hypot(xx - yy, 2 * xy)) / 2
-    flat: Array = np.sqrt(np.maximum(xx * yy - xy * xy, 0.0)) / np.maximum(larger, 1e-300)
-    return flat
+    return np.sqrt(np.maximum(xx * yy - xy * xy, 0.0)) / np.maximum(larger, 1e-300)
 
 
 def handedness(obs: Observations) -> Array:
-    """Compute the determinant (v,) of the best affine map from board to image: negative where mirrored.
+    """Determinant (v,) of the best affine map from board to image: negative if mirrored.
 
-    A homography's has the same sign wherever the whole board is in front of the camera, and this one stays
-    defined under strong distortion too.
+    Unlike that of a homography it stays defined under strong distortion.
     """
     m = subtract_mean(obs.points[:, :2], obs.mask) @ obs.pixels.transpose(0, 2, 1)
-    det: Array = m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] * m[:, 1, 0]
-    return det
+    return m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] * m[:, 1, 0]
 
 
 def mirrored_views(obs: Observations) -> Mask:
-    """Find the views (v,) that show the board mirrored, unlike most.
-
-    The direction of the board's z, to its back or its front, is a convention, the same for all views.
-    """
+    """Views (v,) that show the board mirrored, unlike most: the direction of z is a convention."""
     mirrored: Mask = handedness(obs) < 0
     return ~mirrored if mirrored.mean() > 0.5 else mirrored

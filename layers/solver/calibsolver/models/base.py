@@ -1,8 +1,8 @@
 """Camera model: the interface of a projection with its derivatives, its prior and its initial intrinsics.
 
-Layout: coordinates come first, so that every formula works on whole planes of points: points are (3, ...),
-pixels (2, ...), derivatives (variable, image axis, ...). Intrinsics are one vector `k`: fx fy cx cy, then the
-distortion coefficients in the order of the model's definition.
+Coordinates come first, so that every formula works on whole planes of points: points are (3, ...), pixels (2,
+...), derivatives (variable, image axis, ...). Intrinsics are one vector `k`: fx fy cx cy, then the distortion
+coefficients in the order of the model's definition.
 """
 
 import math
@@ -24,12 +24,10 @@ class Coefficient:
     sigma
         Standard deviation on a narrow lens.
     order
-        Power of the squared image radius (in focal lengths) that it multiplies; 0: the belief does not
-        depend on it.
+        Power of the squared image radius (in focal lengths) that it multiplies; 0: the belief does not depend
+        on it.
     edge
-        Standard deviation of its effect at the corner of the image / distance of the corner from the
-        centre: lenses bend images by so much, whatever the focal length, so that wide ones have small
-        coefficients.
+        Standard deviation of its effect at the corner of the image / distance of the corner from the centre.
     sign
         Sign of its effect: -1 in a denominator.
     mean
@@ -47,16 +45,13 @@ class Coefficient:
 class Prior:
     """Prior of a camera's intrinsics: independent Gaussians.
 
-    The figures are rounded from what 7,700 published calibrations show (the lens profiles of Gyroflow,
-    CC0): half of the focal lengths lie within 0.55 to 1.3 image widths, 9 of 10 principal points within 3 %
-    of the centre.
+    Rounded from 7,700 published calibrations (the lens profiles of Gyroflow, CC0): half of the focal lengths
+    lie within 0.55 to 1.3 image widths, 9 of 10 principal points within 3 % of the centre.
 
     Attributes
     ----------
     focal, focal_sigma
         Focal length / image width, and the standard deviation of its logarithm.
-    distortion
-        One belief per coefficient.
     aspect_sigma
         Standard deviation of log(fx / fy): pixels are nearly square.
     center_sigma
@@ -79,11 +74,11 @@ class Model(ABC):
     start_focals: tuple[float, ...]
     """Focal lengths / image width from which a fit is started."""
     start_families: int = 1
-    """Families of initial intrinsics that may lead to different optima: the best of each kind is followed."""
+    """Families of initial intrinsics that may lead to different optima: the best of each is followed."""
     is_perspective: bool = False
     """True if it is a pinhole without distortion: straight lines stay straight."""
     max_angle: float = math.pi
-    """Angle from the axis, radians, up to which its coordinates still distinguish directions."""
+    """Angle from the axis, radians, up to which its coordinates distinguish directions."""
 
     @property
     def size(self) -> int:
@@ -100,7 +95,7 @@ class Model(ABC):
 
     @abstractmethod
     def undistort(self, d: Array, u: Array) -> Array:
-        """Return unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
+        """Unit rays (3, ...) that project to (2, ...); NaN where no ray of the valid domain does."""
 
     @abstractmethod
     def domain_half_angle(self, d: Array) -> float:
@@ -118,12 +113,11 @@ class Model(ABC):
         return 1.0, np.zeros(len(d))
 
     def focal(self, k: Array) -> Array:
-        """Focal lengths (2,) along x and y at k (p,): px per radian at the axis.
+        """Focal lengths (2,) along x and y at k (p,), px per radian at the axis.
 
-        `k[:2]` are these lengths for models that magnify by 1; for others they are generalised ones.
+        `k[:2]` if it magnifies by 1.
         """
-        out: Array = k[:2] * self.magnification(k[4:])[0]
-        return out
+        return k[:2] * self.magnification(k[4:])[0]
 
     def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
         """Radial stretch, d(distorted)/d(undistorted radius), at squared radii s (n,).
@@ -162,17 +156,16 @@ class Model(ABC):
         by_k[2, 0] = by_k[3, 1] = 1
         np.multiply(by_d, f, out=by_k[4:])
         np.multiply(by_point, f, out=by_p)
-        q: Array = f * u + c
-        return q
+        return f * u + c
 
     def unproject(self, k: Array, q: Array) -> Array:
-        """Return unit rays (3, ...) in the camera frame of pixels (2, ...); NaN outside the valid domain."""
+        """Unit rays (3, ...) in the camera frame of pixels (2, ...); NaN outside the valid domain."""
         return self.undistort(k[4:], np.stack([(q[0] - k[2]) / k[0], (q[1] - k[3]) / k[1]]))
 
 
 @lru_cache(maxsize=64)
 def first_root(coefficients: tuple[float, ...], limit: float) -> float:
-    """Smallest root in (0, limit) of 1 + c0 x + c1 x^2 + ..., or `limit` where there is none."""
+    """Smallest root in (0, limit) of 1 + c0 x + c1 x^2 + ..., or `limit`."""
     polynomial = np.array([*coefficients[::-1], 1.0])
     if not np.isfinite(polynomial).all():
         return 0.0

@@ -1,8 +1,8 @@
 """Kannala-Brandt's model as in cv2.fisheye: k1 k2 k3 k4.
 
 t = angle between ray and axis, a = t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8), (u, v) = a (X, Y) / |(X, Y)|
-(Kannala & Brandt 2006; OpenCV documentation, "Fisheye camera model"). The angle is taken with atan2, so that
-points next to and behind the camera are also projected: OpenCV's own x/z form ends at 90 degrees.
+(Kannala & Brandt 2006; OpenCV documentation, "Fisheye camera model"). By atan2 the angle is also that of
+points next to and behind the camera: OpenCV's x/z form ends at 90 degrees.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ def radial_slope(d: Array, s: Array) -> Array:
 
 
 class Fisheye(Model):
-    """Kannala-Brandt's model as in cv2.fisheye (formula: see the module)."""
+    """Kannala-Brandt's model as in cv2.fisheye."""
 
     name = "fisheye"
     coefficients = ("k1", "k2", "k3", "k4")
@@ -76,7 +76,6 @@ class Fisheye(Model):
         return u, by_d, by_p
 
     def domain_half_angle(self, d: Array) -> float:
-        """Angle up to which the image radius grows."""
         return float(np.sqrt(first_root(tuple((d * (3, 5, 7, 9)).tolist()), np.pi**2)))
 
     def undistort(self, d: Array, u: Array) -> Array:

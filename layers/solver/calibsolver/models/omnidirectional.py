@@ -16,7 +16,7 @@ from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO, Planar
 
 
 class Omnidirectional(Planar):
-    """Unified model as in cv2.omnidir (formula: see the module)."""
+    """Unified model as in cv2.omnidir."""
 
     name = "omnidirectional"
     coefficients = ("xi", "k1", "k2", "p1", "p2")
@@ -95,7 +95,7 @@ class Omnidirectional(Planar):
         return self._start(1.0, focal, img_size)
 
     def initial_intrinsics(self, img_size: tuple[int, int]) -> list[Array]:
-        """Intrinsics of stereographic images, and ones that shrink towards the rim."""
+        """Stereographic images, and ones that shrink towards the rim."""
         return [self._start(xi, f * img_size[0], img_size) for xi in (1.0, 2.5) for f in self.start_focals]
 
     def _start(self, xi: float, focal: float, img_size: tuple[int, int]) -> Array:
@@ -106,5 +106,4 @@ class Omnidirectional(Planar):
 
 def distance(xi: float, s: Array) -> Array:
     """Distance to the unit sphere along the ray (x, y, 1), in its units; s = x^2 + y^2."""
-    out: Array = (xi + np.sqrt(np.maximum(1 + (1 - xi * xi) * s, 0.0))) / (1 + s)
-    return out
+    return (xi + np.sqrt(np.maximum(1 + (1 - xi * xi) * s, 0.0))) / (1 + s)

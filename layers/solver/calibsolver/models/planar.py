@@ -9,6 +9,7 @@ axis out to a radius, g = mean(h) > 3.5 r P there too, the Jacobian is positive 
 and the gradient of a strictly convex function takes no value twice.
 """
 
+import math
 from abc import abstractmethod
 
 import numpy as np
@@ -17,19 +18,19 @@ from ..arrays import Array
 from .base import Model
 
 MAX_RADIUS = 50.0
-"""Largest distance from the axis, in focal lengths, at which the plane is used."""
+"""Largest distance from the axis, in focal lengths."""
 LAST_STEP = 1e-9
 """Newton step below which the next, about its square, is rounding."""
 MAX_STEPS = 20
-"""Steps of Newton\'s method, which settles in four or five except at the edge of the domain."""
+"""Newton's method settles in four or five steps except at the edge of the domain."""
 MIN_TANGENTIAL_RATIO = 7.0
-"""Radial derivative h over r |(p1, p2)| above which the map is one-to-one (proof: see the module)."""
+"""h / (r P) above which the map is one-to-one."""
 
 
 class Planar(Model):
     """A model that ends with a radial and tangential distortion of a plane.
 
-    `radial_at` and `tangential_at` say where their coefficients stand in `d`.
+    `radial_at` and `tangential_at` are the places of their coefficients in `d`.
     """
 
     radial_at: tuple[int, ...]
@@ -37,11 +38,11 @@ class Planar(Model):
 
     @abstractmethod
     def radial(self, d: Array, s: Array) -> Array:
-        """Return the radial factor g at squared radii s (...)."""
+        """Radial factor g at squared radii s (...)."""
 
     @abstractmethod
     def radial_jacobian(self, d: Array, s: Array) -> tuple[Array, Array, tuple[Array, ...]]:
-        """Return g, dg/ds and dg/dc for each radial coefficient c, all (...)."""
+        """g, dg/ds and dg/dc for each radial coefficient c, all (...)."""
 
     @abstractmethod
     def domain_radius(self, d: Array) -> float:
@@ -127,7 +128,7 @@ class Planar(Model):
     def _solve_plane(self, d: Array, xy: Array, target: Array, limit: float) -> None:
         """Move points (2, n) of the plane, in place, to where they are distorted to the target (2, n).
 
-        By Newton's method. Points that have settled are left alone: the few outside of the domain never do.
+        Points that have settled are left out of Newton's steps: the few outside of the domain never do.
         """
         x, y = xy
         index = np.arange(x.size)
@@ -153,3 +154,33 @@ class Planar(Model):
                 if not index.size:
                     return
         xy[:, index] = x, y
+
+
+class Pinhole(Planar):
+    """A planar distortion of the perspective image; nothing next to or behind the camera is visible."""
+
+    is_perspective = True
+    max_angle = 1.4  # beyond, a degree makes a tenth of the distance from the axis and more, without bound
+
+    def distort(self, d: Array, p: Array) -> Array:
+        return self.distort_plane(d, p[0] / p[2], p[1] / p[2])
+
+    def distort_jacobian(self, d: Array, p: Array) -> tuple[Array, Array, Array]:
+        iz = 1 / p[2]
+        x, y = p[0] * iz, p[1] * iz
+        u, by_d, ux, uy, vy = self.distort_plane_jacobian(d, x, y)
+        by_p = np.empty((3, 2, *x.shape))
+        np.multiply(ux, iz, out=by_p[0, 0])
+        np.multiply(uy, iz, out=by_p[0, 1])
+        by_p[1, 0] = by_p[0, 1]
+        np.multiply(vy, iz, out=by_p[1, 1])
+        by_p[2] = -(x * by_p[0] + y * by_p[1])
+        return u, by_d, by_p
+
+    def domain_half_angle(self, d: Array) -> float:
+        return math.atan(self.domain_radius(d))
+
+    def undistort(self, d: Array, u: Array) -> Array:
+        x, y = self.undistort_plane(d, u)
+        norm = np.sqrt(1 + x * x + y * y)
+        return np.stack([x / norm, y / norm, 1 / norm])

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
-from .pinhole import Pinhole
-from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO, Pinhole
 
 ANGLE = (7 / 9, 64 / 945, 10 / 9, 5 / 21)
 """k1 k2 k4 k5 of Pade's approximant of atan(r) / r, to 0.3 % up to 63 degrees."""
@@ -21,7 +20,7 @@ TWICE, STRETCHED = 2 * ORDERS, 1 + 2 * ORDERS
 
 
 class Rational(Pinhole):
-    """OpenCV's 8-coefficient model (formula: see the module)."""
+    """OpenCV's 8-coefficient model."""
 
     name = "rational"
     coefficients = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
@@ -46,7 +45,7 @@ class Rational(Pinhole):
     start_focals = (0.2, 0.28, 0.38, 0.52, 0.72, 1.0, 1.4, 1.9, 2.8)
 
     def initial_intrinsics(self, img_size: tuple[int, int]) -> list[Array]:
-        """Intrinsics of lenses whose image radius is the angle from the axis, and pinholes."""
+        """Lenses whose image radius is the angle from the axis, and pinholes."""
         pinholes = super().initial_intrinsics(img_size)
         angular = [k.copy() for k in pinholes]
         for k in angular:
@@ -67,7 +66,7 @@ class Rational(Pinhole):
         return g, slope * inverse, (a1, a2, a3, -g * a1, -g * a2, -g * a3)
 
     def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array]:
-        """Exact derivative: no first order serves where numerator and denominator, each large, cancel."""
+        """Exact: no first order serves where numerator and denominator, each large, cancel."""
         above, below = np.array([d[0], d[1], d[4]]), d[5:]
         column = s[:, None]
         powers = column**ORDERS

@@ -10,15 +10,13 @@ import numpy as np
 
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
-from .pinhole import Pinhole
-from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
+from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO, Pinhole
 
 
 def _linear_forms() -> Array:
     """Matrix (48, 6) from (1, k1, k2, p1, p2, k3) to the coefficients of 1, x, y, s, s^2, s^3 in eight forms.
 
-    The forms: a = g + 2 (p2 x + p1 y); 2 dg/ds; p2 s and p1 s; then a + 4 p2 x, 2 (p1 x + p2 y), the same
-    again, and a + 4 p1 y.
+    a = g + 2 (p2 x + p1 y); 2 dg/ds; p2 s and p1 s; then a + 4 p2 x, 2 (p1 x + p2 y) twice, and a + 4 p1 y.
     """
     out = np.zeros((8, 6, 6))
     for form in (0, 4, 7):
@@ -36,7 +34,7 @@ LINEAR_FORMS = _linear_forms()
 
 
 class Rectilinear(Pinhole):
-    """OpenCV's 5-coefficient model (formula: see the module)."""
+    """OpenCV's 5-coefficient model."""
 
     name = "rectilinear"
     coefficients = ("k1", "k2", "p1", "p2", "k3")
@@ -56,7 +54,7 @@ class Rectilinear(Pinhole):
     start_focals = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
 
     def fill_jacobian(self, k: Array, p: Array, by_k: Array, by_p: Array) -> Array:
-        """See `Model`. The parts linear in 1, x, y, s, s^2 and s^3 are one matrix product."""
+        """In the parts linear in 1, x, y, s, s^2 and s^3, one matrix product."""
         shape = p.shape[1:]
         column = (2,) + (1,) * len(shape)
         f, c = k[:2].reshape(column), k[2:4].reshape(column)
@@ -103,7 +101,7 @@ class Rectilinear(Pinhole):
         return self.radial(d, s), d[0] + s * (2 * d[1] + 3 * d[4] * s), (s, s2, s2 * s)
 
     def domain_radius(self, d: Array) -> float:
-        """Radius up to which the radial part grows: beyond it the image would fold."""
+        """Radius up to which the radial part grows."""
         k1, k2, p1, p2, k3 = (float(c) for c in d)
         return first_root(
             (-MIN_TANGENTIAL_RATIO * math.hypot(p1, p2), 3 * k1, 0.0, 5 * k2, 0.0, 7 * k3), MAX_RADIUS

@@ -1,4 +1,4 @@
-"""Clustering of calibrations: liars, hidden modes, published lens profiles."""
+"""Groups of calibrations that agree."""
 
 from itertools import product
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Calibration, Camera, View
-from calibsolver.consensus.agreement import compare, difference
+from calibsolver.consensus.agreement import difference
 from calibsolver.consensus.fit_memory import fit_once
 from calibsolver.consensus.pooling import Member, Rule, pool
 from tests.helpers.data import available, corner_views, external_data
@@ -33,7 +33,7 @@ def test_lying_minority_does_not_move_the_consensus(kind: str, effort: attacks.E
 
 @pytest.mark.parametrize("number", [938, *thorough(810)])
 def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
-    """The two of 1,000 cameras whose lies moved a fit to all points by over half a pixel."""
+    """Of 1,000 cameras those whose lies moved a fit to all points by over half a pixel."""
     rng = np.random.default_rng((7, number))
     found = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)))
     assert not found.wrong
@@ -43,15 +43,14 @@ def fitted(member: Member) -> Calibration:
     return fit_once(member.views, synthetic.IMG_SIZE, "rectilinear")
 
 
+def contribute(name: str, camera: Camera, effort: attacks.Effort, rng: np.random.Generator) -> Member:
+    return Member(name, name, tuple(populations.views(camera, rng, effort.noise, effort.views)))
+
+
 def test_honest_contributors_of_poor_views_weigh_little() -> None:
-    """Their calibrations are off by several pixels, and are evidence all the same."""
     camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(4)
-
-    def contribute(name: str, effort: attacks.Effort) -> Member:
-        return Member(name, name, tuple(populations.views(camera, rng, effort.noise, effort.views)))
-
-    precise = [contribute(f"p{i}", attacks.Effort(6)) for i in range(5)]
-    poor = [contribute(f"v{i}", attacks.EFFORTS["very poor views"]) for i in range(2)]
+    precise = [contribute(f"p{i}", camera, attacks.Effort(6), rng) for i in range(5)]
+    poor = [contribute(f"v{i}", camera, attacks.EFFORTS["very poor views"], rng) for i in range(2)]
     before, after = (
         pool(group, camera.img_size, "rectilinear", attacks.RULE) for group in (precise, [*precise, *poor])
     )
@@ -65,11 +64,7 @@ def test_honest_contributors_of_poor_views_weigh_little() -> None:
 
 def test_consensus_that_states_too_much_is_imprecise() -> None:
     camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(4)
-    effort = attacks.Effort(3, 3.0)
-    members = [
-        Member(str(i), str(i), tuple(populations.views(camera, rng, effort.noise, effort.views)))
-        for i in range(5)
-    ]
+    members = [contribute(str(i), camera, attacks.Effort(3, 3.0), rng) for i in range(5)]
     pooled = pool(members, camera.img_size, "rectilinear", attacks.RULE)
     assert len(pooled.members) == 5
     assert pooled.coverage.rms > 1.5
@@ -108,8 +103,6 @@ def test_groups_do_not_depend_on_order() -> None:
     specimens += [Camera.from_intrinsics("rectilinear", k, camera.img_size)] * 2
     members = [Member(str(i), str(i), tuple(populations.views(c, rng))) for i, c in enumerate(specimens)]
     order = rng.permutation(8)
-    c = [fitted(m) for m in members]
-    np.testing.assert_allclose(compare([c[i] for i in order]), compare(c)[np.ix_(order, order)], atol=1e-9)
     groups = pool(members, camera.img_size, "rectilinear").groups
     assert groups == (tuple("012345"), tuple("67"))
     shuffled = pool([members[i] for i in order], camera.img_size, "rectilinear").groups
@@ -123,7 +116,6 @@ REAL = {"jy_left": "fisheye", "babel_ov_plane": "fisheye"} | dict.fromkeys(
 
 @pytest.mark.parametrize("name", ["jy_left", *thorough(*available(sorted(REAL.keys() - {"jy_left"})))])
 def test_contributors_of_one_real_camera_agree(name: str) -> None:
-    """Five contributors with three to five views each, drawn at random."""
     views, size = corner_views(name)
     order = np.random.default_rng(0).permutation(len(views))
     count = min(8, len(views) * 3 // 20)
@@ -131,7 +123,6 @@ def test_contributors_of_one_real_camera_agree(name: str) -> None:
     members = [Member(str(a), str(a), tuple(part)) for a, part in enumerate(parts)]
     pooled = pool(members, size, REAL[name], Rule(min_contributors=3))
     assert pooled.members == tuple("01234")
-    assert pooled.calibration is not None
     assert pooled.calibration.uncertainty().rms < 6, "also at the rim of a fisheye's domain"
 
 
@@ -140,7 +131,6 @@ def test_contributors_of_one_real_camera_agree(name: str) -> None:
     "pair", [("pv_picam_640", "pv_picam_960"), *thorough((("pv_picam_320", "pv_picam_640"),))]
 )
 def test_another_mode_of_a_real_camera_is_kept_out(pair: tuple[str, str]) -> None:
-    """Five contributors of four views, and one whose mode has another field of view by 2 %."""
     views, size = corner_views(pair[0])
     others, other_size = corner_views(pair[1])
     scale = np.array(size) / other_size

@@ -1,6 +1,7 @@
-"""Memory of members' fits: what is old is not fitted again, and nothing else is taken for it."""
+"""Cache of members' fits."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +21,6 @@ def member(seed: int) -> Member:
 
 @pytest.fixture
 def fitted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
-    """Models fitted to members' views, as they are fitted."""
     made: list[str] = []
 
     def counted(
@@ -39,10 +39,7 @@ def test_a_new_calibration_alone_is_fitted(fitted: list[str]) -> None:
     members = [member(seed) for seed in range(3)]
     pool(members[:2], SIZE, "rectilinear")
     assert fitted == ["rectilinear"] * 2
-    again = [
-        Member(m.id, m.contributor, tuple(View(v.object_points, v.image_points) for v in m.views))
-        for m in members
-    ]
+    again = [replace(m, views=tuple(replace(view) for view in m.views)) for m in members]
     warm = pool(again, SIZE, "rectilinear")
     assert fitted == ["rectilinear"] * 3  # their documents were read anew
     pool(again, SIZE, "rectilinear", Rule(min_contributors=1, min_calibrations=1))

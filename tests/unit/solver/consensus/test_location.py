@@ -1,4 +1,4 @@
-"""Location of contributors: equal weights whatever their boards, bounded influence, liars among specimens."""
+"""Location of contributors: equal weights and bounded influence."""
 
 from dataclasses import replace
 from functools import cache
@@ -20,7 +20,6 @@ MOVED = 1.0
 
 
 def scaled(factor: float) -> Camera:
-    """The camera with another focal length."""
     k = CAMERA.intrinsics
     k[:2] *= factor
     return Camera.from_intrinsics(CAMERA.model, k, SIZE)
@@ -42,7 +41,6 @@ def honest() -> list[FittedMember]:
 
 
 def test_location_is_the_mean_of_contributors(honest: list[FittedMember]) -> None:
-    """Three calibrations of one contributor are one voice."""
     found = Contributions(honest, CAMERA).relinearize(range(5))
     location = found.locate(range(5))
     assert location.weights.min() > 0.8
@@ -50,7 +48,6 @@ def test_location_is_the_mean_of_contributors(honest: list[FittedMember]) -> Non
 
 
 def test_names_of_contributors_change_nothing(honest: list[FittedMember]) -> None:
-    """In a copy of the database, contributors have other names in another order: not one bit changes."""
     renamed = [
         replace(f, member=replace(f.member, contributor={"a": "z", "b": "y", "c": "x"}[f.member.contributor]))
         for f in honest
@@ -63,16 +60,13 @@ def test_names_of_contributors_change_nothing(honest: list[FittedMember]) -> Non
     ("lie", "corners"), [(1.02, 2401), (1.3, 40), *thorough((1.005, 40), (1.02, 40), (1.05, 6))]
 )
 def test_liar_however_far_or_dense_pulls_no_harder(lie: float, corners: int) -> None:
-    """Five alike and one or two liars: the answer moves by a share of HUBER_WIDTHS."""
     members = [fitted(CAMERA, f"h{i}", i) for i in range(5)]
     members += [fitted(scaled(lie), f"l{i}", 5 + i, corners) for i in range(2)]
     found = Contributions(members, members[0].calibration.camera).relinearize(range(7))
     alone = found.locate(range(5)).y
     assert found.length(found.locate(range(6)).y - alone) < 0.25
     assert found.length(found.locate(range(7)).y - alone) < 0.5
-    one, two = found.leave_out_influence(range(7), lambda rest: rest)
-    assert one < 0.25
-    assert two < 0.5
+    assert found.leave_out_influence(range(7), lambda rest: rest) < 0.5
 
 
 def test_thinned_points_stand_for_all() -> None:
@@ -86,7 +80,6 @@ def test_thinned_points_stand_for_all() -> None:
     ("number", "corners"), [(4, 2401), *thorough((0, None), (1, None), (2, None), (3, None))]
 )
 def test_liars_in_honest_worlds_move_no_reliable_answer(number: int, corners: int | None) -> None:
-    """However many corners the board of a liar has; `make bench DOCS=consensus` has a thousand worlds."""
     rng = np.random.default_rng((19, number))
     product = worlds.world(rng)
     honest = [worlds.member(f"h{i}", worlds.specimen(product, rng), rng) for i in range(5)]
@@ -101,7 +94,6 @@ def test_liars_in_honest_worlds_move_no_reliable_answer(number: int, corners: in
 
 
 def test_contributors_of_two_families_count_by_the_larger() -> None:
-    """Three lines of the network, each with two addresses."""
     rng = np.random.default_rng(2)
     families = ("ipv4", "ipv4", "ipv4", "ipv6", "ipv6")
     members = [

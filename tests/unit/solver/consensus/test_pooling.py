@@ -1,14 +1,15 @@
-"""Pooling: agreement, reliability, and a minority that lies."""
+"""Pooled consensus and its reliability."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit
-from calibsolver.consensus.agreement import compare
+from calibsolver.consensus.agreement import compare, difference
 from calibsolver.consensus.fit_memory import fit_once
-from calibsolver.consensus.pooling import Member, Rule, pool
+from calibsolver.consensus.pooling import Consensus, Member, Rule, pool
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import hands, populations, synthetic
@@ -30,6 +31,17 @@ def member(seed: int, focal: float = 1.0, contributor: str | None = None) -> Mem
     return Member(f"m{seed}", contributor or f"c{seed}", tuple(views))
 
 
+def members_of(cameras: Sequence[Camera], **options: Any) -> list[Member]:
+    rng = np.random.default_rng(0)
+    return [
+        Member(str(i), str(i), tuple(populations.views(c, rng, **options))) for i, c in enumerate(cameras)
+    ]
+
+
+def assert_same_camera(one: Consensus, other: Consensus) -> None:
+    np.testing.assert_array_equal(one.calibration.camera.intrinsics, other.calibration.camera.intrinsics)
+
+
 @pytest.fixture(scope="module")
 def honest() -> list[Member]:
     return [member(seed) for seed in range(7)]
@@ -46,7 +58,6 @@ def test_consensus_is_reliable_from_five_members(honest: list[Member]) -> None:
 
 
 def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
-    """However well two contributors with many calibrations agree."""
     assert np.isnan(pool(honest[:1], SIZE, "rectilinear").spread)
     two = [Member(m.id, f"c{i % 2}", m.views) for i, m in enumerate(honest)]
     assert pool(two, SIZE, "rectilinear").reliable
@@ -55,28 +66,20 @@ def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
 
 
 def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
-    """Two of seven agree with each other on another focal length; one more sends noise."""
     honest = honest[:5]
     liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(2)]
-    rng = np.random.default_rng(0)
-    noise = Member(
-        "noise",
-        "mallory",
-        tuple(
-            View(v.object_points[::3], rng.uniform(0, 700, v.image_points[::3].shape))
-            for v in honest[0].views[:1]
-        ),
-    )
+    points = honest[0].views[0].object_points[::3]
+    scattered = View(points, np.random.default_rng(0).uniform(0, 700, (len(points), 2)))
+    noise = Member("noise", "mallory", (scattered,))
     together = pool([*liars, *honest, noise], SIZE, "rectilinear")
     alone = pool(honest, SIZE, "rectilinear")
     assert together.members == alone.members == tuple(m.id for m in honest)
     assert (together.total, together.reliable) == (8, True)
-    np.testing.assert_array_equal(together.calibration.camera.intrinsics, alone.calibration.camera.intrinsics)
+    assert_same_camera(together, alone)
 
 
 @pytest.mark.parametrize("focal", [1.15, *thorough(1.03, 1.01)])
 def test_returning_contributors_do_not_outvote_others(honest: list[Member], focal: float) -> None:
-    """Six calibrations of three contributors against one each of five."""
     returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(6)]
     rule = Rule(min_contributors=3)
     found = pool([*returning, *honest[:5]], SIZE, "rectilinear", rule)
@@ -85,13 +88,10 @@ def test_returning_contributors_do_not_outvote_others(honest: list[Member], foca
     if focal > 1.1:  # what is nearer may pass for a specimen, where these differ by 0.3 %
         assert found.members == alone.members
         assert (found.contributors, found.reliable) == (5, alone.reliable)
-        np.testing.assert_array_equal(
-            found.calibration.camera.intrinsics, alone.calibration.camera.intrinsics
-        )
+        assert_same_camera(found, alone)
 
 
 def test_answer_weighs_contributors_equally(honest: list[Member]) -> None:
-    """Five calibrations of one contributor are one voice among three, as one calibration of theirs is."""
     many = [Member(m.id, "many", m.views) for m in honest[2:]]
     rule = Rule(min_contributors=3)
     cameras = [pool([m], SIZE, "rectilinear").calibration for m in honest]
@@ -103,7 +103,6 @@ def test_answer_weighs_contributors_equally(honest: list[Member]) -> None:
 
 
 def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> None:
-    """Five agree, and as many agree on something else."""
     others = [member(60 + i, focal=1.2) for i in range(5)]
     split = pool([*honest[:5], *others], SIZE, "rectilinear")
     assert len(split.members) == 5
@@ -112,11 +111,8 @@ def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> Non
 
 @pytest.mark.parametrize("model", ["omnidirectional", *thorough("fisheye", "rational")])
 def test_other_models_pool_the_same_views(model: str) -> None:
-    """The rectilinear camera of five sessions, fitted by each of the other models."""
-    camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
-    members = [Member(str(i), str(i), tuple(populations.views(camera, rng))) for i in range(5)]
+    members = members_of([synthetic.rectilinear_cameras()[6]] * 5)
     pooled = pool(members, SIZE, model)
-    assert pooled.calibration.camera.model == model
     assert pooled.reliable
     assert pooled.held_out_error < 0.5
     told_apart = pool(members, SIZE, model, Rule(min_contributors=3))
@@ -126,18 +122,13 @@ def test_other_models_pool_the_same_views(model: str) -> None:
 
 def test_difference_is_in_pixels_after_the_best_rotation() -> None:
     camera = synthetic.rectilinear_cameras()[6]
-    c = fit(populations.views(camera, np.random.default_rng(0)), SIZE)
     shifted = camera.intrinsics
     shifted[0] *= 1.01
     shifted[2] += 8
-    other = replace(c, camera=Camera.from_intrinsics("rectilinear", shifted, SIZE))
-    same = replace(c, camera=camera)
-    d = compare([same, other])
-    error = synthetic.projection_error(camera, other.camera, (12, 9))
-    assert d[0, 1] == pytest.approx(
-        np.sqrt(np.mean(error**2)), rel=0.1
-    )  # angles are turned together, not pixels
-    assert d[0, 0] == 0
+    other = Camera.from_intrinsics("rectilinear", shifted, SIZE)
+    error = synthetic.projection_error(camera, other, (12, 9))
+    # angles are turned together, not pixels
+    assert difference(camera, other) == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.1)
 
 
 MODELS = {"mint_isaw": "rectilinear", "jy_left": "fisheye", "babel_ov_plane": "omnidirectional"}
@@ -145,10 +136,7 @@ MODELS = {"mint_isaw": "rectilinear", "jy_left": "fisheye", "babel_ov_plane": "o
 
 @pytest.mark.parametrize("name", [*corner_sets(["mint_isaw", "jy_left"]), *thorough("babel_ov_plane")])
 def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
-    """The photographs of one camera, dealt out to five members: they agree, and nothing is lost.
-
-    Each member has a board of its own shape.
-    """
+    """One camera's photographs dealt out to five members, each with a board of its own shape."""
     views, size = corner_views(name)
     model = MODELS[name]
     parts = [views[i::5] for i in range(5)]
@@ -164,10 +152,8 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
 
 def test_contributors_with_bent_boards_agree_in_the_shape_of_each() -> None:
     """Boards bend by 0.5 % in any direction, six views each: 0.25 px off at most, within what is stated."""
-    camera, rng = synthetic.rectilinear_cameras()[0], np.random.default_rng(0)
-    members = [
-        Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)
-    ]
+    camera = synthetic.rectilinear_cameras()[0]
+    members = members_of([camera] * 5, hand=hands.BENT)
     found = pool(members, SIZE, "rectilinear", Rule(min_contributors=3))
     error = synthetic.rms_error(camera, found.calibration.camera)
     assert found.reliable
@@ -177,29 +163,21 @@ def test_contributors_with_bent_boards_agree_in_the_shape_of_each() -> None:
 
 
 def test_modes_one_percent_apart_are_separate_groups() -> None:
-    """If only the noise of the corners differs, a field of view 1 % narrower is another one."""
     camera = synthetic.rectilinear_cameras()[6]
     k = camera.intrinsics
     k[:2] *= 1.01
     switched = Camera.from_intrinsics("rectilinear", k, SIZE)
-    rng = np.random.default_rng(0)
-    members = [
-        Member(str(i), str(i), tuple(populations.views(switched if i >= 6 else camera, rng, count=5)))
-        for i in range(9)
-    ]
-    pooled = pool(members, SIZE, "rectilinear")
+    pooled = pool(members_of([camera] * 6 + [switched] * 3, count=5), SIZE, "rectilinear")
     assert pooled.groups == (tuple("012345"), tuple("678"))
     assert pooled.reliable
 
 
 def test_nothing_to_pool_is_an_error() -> None:
-    with pytest.raises(CalibrationError) as caught:
-        pool([], SIZE, "rectilinear")
-    assert caught.value.code == "no_members"
     few = Member("x", "y", (View(np.zeros((2, 3)), np.zeros((2, 2))),))
-    with pytest.raises(CalibrationError) as caught:
-        pool([few], SIZE, "rectilinear")
-    assert caught.value.code == "too_few_points"
+    for members, code in (([], "no_members"), ([few], "too_few_points")):
+        with pytest.raises(CalibrationError) as caught:
+            pool(members, SIZE, "rectilinear")
+        assert caught.value.code == code
 
 
 @pytest.mark.parametrize("focal", [1.0, 1.3])
@@ -209,4 +187,4 @@ def test_few_members_are_consistent_where_they_would_be_reliable(honest: list[Me
     assert (found.reliable, found.reason) == (False, "too_few")
     enough = pool(members, SIZE, "rectilinear", Rule(min_calibrations=1))
     assert found.consistent == enough.consistent == enough.reliable == (focal == 1.0)
-    np.testing.assert_array_equal(found.calibration.camera.intrinsics, enough.calibration.camera.intrinsics)
+    assert_same_camera(found, enough)

@@ -1,4 +1,4 @@
-"""Bad measurements on real corner sets: what is wrong leaves no trace beyond the points lost with it."""
+"""Bad measurements on real corner sets leave no trace."""
 
 import numpy as np
 import pytest
@@ -25,10 +25,7 @@ CASES = [*corner_sets(name for name in MODELS if name != SLOW), *thorough(SLOW)]
 
 @pytest.mark.parametrize("name", CASES)
 def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
-    """One in twenty: the fit is the one of the other points alone, to 0.02 px over the image.
-
-    Against the fit of all points it moves by what those lost had told, a quarter of the standard deviation.
-    """
+    """The fit is that of the other points, a quarter of the standard deviation from that of all."""
     views, size = corner_views(name)
     model = MODELS[name]
     clean = fit(views, size, model)
@@ -49,7 +46,7 @@ def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in CASES if "pv_charuco_480" not in str(name)])
 def test_every_fifth_view_shifted_by_a_corner(name: str) -> None:
-    """All corners of it carry the next one's name; those at the ends of rows land on the next row."""
+    """All corners of it have the next one's name."""
     views, size = corner_views(name)
     model = MODELS[name]
     shifted, rest = list(views), list(views)

@@ -1,4 +1,4 @@
-"""Views whose points lie on a line: set aside with a reason, the others fitted as if they were alone."""
+"""Views whose points lie on a line are set aside."""
 
 import json
 
@@ -14,21 +14,19 @@ from tests.helpers.data import corner_views
 
 
 def row_of_corners(view: View, count: int = 6) -> View:
-    """The first corners of the view that lie on one line of the board."""
     on_line = np.flatnonzero(view.object_points[:, 1] == view.object_points[0, 1])[:count]
     return View(view.object_points[on_line], view.image_points[on_line])
 
 
-@pytest.fixture(scope="module")
-def real() -> tuple[list[View], tuple[int, int]]:
-    return corner_views("opencv_left")
+VIEWS, SIZE = corner_views("opencv_left")
+PLACE = View(VIEWS[0].object_points, np.full_like(VIEWS[0].image_points, 300.0))
+"""All corners in one place."""
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
-def test_view_of_one_row_is_set_aside(real: tuple[list[View], tuple[int, int]], model: str) -> None:
-    views, size = real
-    alone = fit(views, size, model)
-    found = fit([*views[:3], row_of_corners(views[2]), *views[3:]], size, model)
+def test_view_of_one_row_is_set_aside(model: str) -> None:
+    alone = fit(VIEWS, SIZE, model)
+    found = fit([*VIEWS[:3], row_of_corners(VIEWS[2]), *VIEWS[3:]], SIZE, model)
     assert found.cut_views == {3: "degenerate", **{i + (i >= 3): r for i, r in alone.cut_views.items()}}
     np.testing.assert_array_equal(found.camera.intrinsics, alone.camera.intrinsics)
     np.testing.assert_array_equal(found.covariance, alone.covariance)
@@ -39,62 +37,46 @@ def test_view_of_one_row_is_set_aside(real: tuple[list[View], tuple[int, int]], 
     assert found.avg_reprojection_error == alone.avg_reprojection_error
 
 
-def test_view_in_one_place_is_set_aside_and_described(real: tuple[list[View], tuple[int, int]]) -> None:
-    views, size = real
-    place = View(views[0].object_points, np.full_like(views[0].image_points, 300.0))
-    found = fit([place, *views], size)
-    assert found.cut_views[0] == "degenerate"
-    assert found.uncertainty() == fit(views, size).uncertainty()
-    described = describe(found, [place, *views])
+def test_view_in_one_place_is_set_aside_and_described() -> None:
+    found = fit([PLACE, *VIEWS], SIZE)
+    described = describe(found, [PLACE, *VIEWS])
     json.dumps(described, allow_nan=False)
-    shown = described["views"]
-    assert isinstance(shown, list)
-    assert isinstance(shown[0], dict)
-    assert (shown[0]["reason"], shown[0]["rms"]) == ("degenerate", None)
+    first = described["views"][0]  # type: ignore[index]
+    assert (first["reason"], first["rms"]) == ("degenerate", None)
 
 
-def test_degenerate_views_alone_raise(real: tuple[list[View], tuple[int, int]]) -> None:
-    views, size = real
-    rows = [row_of_corners(view) for view in views[:4]]
+@pytest.mark.parametrize(
+    ("views", "robust"),
+    [([row_of_corners(view) for view in VIEWS[:4]], True), ([*VIEWS, row_of_corners(VIEWS[0])], False)],
+    ids=["degenerate views alone", "least squares"],
+)
+def test_views_that_may_not_be_set_aside_raise(views: list[View], robust: bool) -> None:
     with pytest.raises(CalibrationError) as caught:
-        fit(rows, size)
+        fit(views, SIZE, robust=robust)
     assert caught.value.code == "degenerate"
 
 
-def test_least_squares_leaves_no_view_out(real: tuple[list[View], tuple[int, int]]) -> None:
-    views, size = real
-    with pytest.raises(CalibrationError) as caught:
-        fit([*views, row_of_corners(views[0])], size, robust=False)
-    assert caught.value.code == "degenerate"
-
-
-def test_refine_sets_the_view_aside(real: tuple[list[View], tuple[int, int]]) -> None:
-    views, size = real
-    known = fit(views, size)
+def test_refine_sets_the_view_aside() -> None:
+    known = fit(VIEWS, SIZE)
     poses = np.concatenate([known.poses, np.full((1, 6), np.nan)])
-    found = refine([*views, row_of_corners(views[0])], known.camera, poses)
-    alone = refine(views, known.camera, known.poses)
-    assert found.cut_views[len(views)] == "degenerate"
+    found = refine([*VIEWS, row_of_corners(VIEWS[0])], known.camera, poses)
+    alone = refine(VIEWS, known.camera, known.poses)
+    assert found.cut_views[len(VIEWS)] == "degenerate"
     np.testing.assert_array_equal(found.camera.intrinsics, alone.camera.intrinsics)
 
 
-def test_cross_validation_never_leaves_the_view_out(real: tuple[list[View], tuple[int, int]]) -> None:
-    views, size = real
-    place = View(views[0].object_points, np.full_like(views[0].image_points, 300.0))
-    found = held_out([*views, place], size)
-    assert found.rms == held_out(views, size).rms
+def test_cross_validation_never_leaves_the_view_out() -> None:
+    found = held_out([*VIEWS, PLACE], SIZE)
+    assert found.rms == held_out(VIEWS, SIZE).rms
     assert np.isnan(found.view_errors[-1])
 
 
-def test_consensus_sets_the_view_aside(real: tuple[list[View], tuple[int, int]]) -> None:
-    views, size = real
-    place = View(views[0].object_points, np.full_like(views[0].image_points, 300.0))
-    halves = [tuple(views[::2]), tuple(views[1::2])]
-    clean = pool([Member(str(i), str(i), v) for i, v in enumerate(halves)], size, "rectilinear")
-    found = pool(
-        [Member(str(i), str(i), (row_of_corners(v[0]), *v, place)) for i, v in enumerate(halves)],
-        size,
-        "rectilinear",
+def test_consensus_sets_the_view_aside() -> None:
+    halves = [tuple(VIEWS[::2]), tuple(VIEWS[1::2])]
+    more = [(row_of_corners(views[0]), *views, PLACE) for views in halves]
+    clean, found = (
+        pool([Member(str(i), str(i), views) for i, views in enumerate(each)], SIZE, "rectilinear")
+        for each in (halves, more)
     )
     assert found.members == clean.members
     assert not found.dropped

@@ -32,7 +32,6 @@ def test_rational_domain_covers_the_image_at_no_cost(name: str, monkeypatch: pyt
 def test_covered_images_and_points_that_contradict_the_prior_win(
     name: str, is_covered: bool, model: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The lens of jy_left sees more than these models can: their domain ends inside its image."""
     views, size = corner_views(name)
     found = fit_once(views, size, model)
     assert (found.camera.domain().covered >= 0.9) == is_covered

@@ -1,5 +1,6 @@
-"""Fits of real photographs against OpenCV, and what is never returned."""
+"""Fits of real photographs against OpenCV, and refusals."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -8,6 +9,7 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver.arrays import Array
 from calibsolver.fitting.fit import MIN_POINTS
 from tests.helpers.data import corner_views, float32
 from tests.helpers.marks import corner_sets
@@ -41,11 +43,16 @@ RATIONAL = [
 FISHEYE_FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye  # OpenCV 5, and 4
 
 
+def opencv(views: Sequence[View], size: tuple[int, int], **options: Any) -> tuple[float, Array]:
+    objects, pixels = float32(views)
+    rms, matrix, *_ = cv2.calibrateCamera(objects, pixels, size, None, None, **options)
+    return rms, matrix
+
+
 @pytest.mark.parametrize("name", corner_sets(RECTILINEAR))
 def test_rectilinear_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
-    objects, pixels = float32(views)
-    rms, matrix, _, _, _ = cv2.calibrateCamera(objects, pixels, size, None, None)
+    rms, matrix = opencv(views, size)
     ours = fit(views, size, robust=False)
     assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-4)
     np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.05)
@@ -54,11 +61,8 @@ def test_rectilinear_equals_opencv(name: str) -> None:
 @pytest.mark.parametrize("name", corner_sets(RATIONAL))
 def test_rational_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
-    objects, pixels = float32(views)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 500, 1e-13)
-    rms, matrix, _, _, _ = cv2.calibrateCamera(
-        objects, pixels, size, None, None, flags=cv2.CALIB_RATIONAL_MODEL, criteria=criteria
-    )
+    rms, matrix = opencv(views, size, flags=cv2.CALIB_RATIONAL_MODEL, criteria=criteria)
     ours = fit(views, size, "rational", robust=False)
     assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-4)
     assert ours.camera.matrix[0, 0] == pytest.approx(matrix[0, 0], abs=0.05)
@@ -68,8 +72,7 @@ def test_rational_equals_opencv(name: str) -> None:
 def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     views, size = corner_views(name)
     views = views[::2]
-    objects, pixels = float32(views)
-    rms, *_ = cv2.calibrateCamera(objects, pixels, size, None, None, flags=cv2.CALIB_RATIONAL_MODEL)
+    rms, _ = opencv(views, size, flags=cv2.CALIB_RATIONAL_MODEL)
     assert fit(views, size, "rational", robust=False).avg_reprojection_error < rms + 1e-6
 
 
@@ -100,7 +103,6 @@ def test_fisheye_fits_views_refused_by_opencv(name: str) -> None:
     views, size = corner_views(name)
     ours = fit(views, size, "fisheye", robust=False)
     assert ours.avg_reprojection_error <= OPENCV_THROWS[name]
-    assert ours.camera.distortion.shape == (4,)
 
 
 @pytest.mark.parametrize("name", corner_sets(["pv_charuco_480", "pv_charuco_1280", "jy_left"]))
@@ -115,22 +117,20 @@ def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
 def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
     views, size = corner_views("opencv_left")
     c = fit(views, size)
-    square, count = 0.0, 0
-    assert c.board_shape is not None
+    squares = []
     for view, (rx, ry, rz, *t), rms in zip(c.shaped(views), c.poses, c.view_errors, strict=True):
         q, _ = cv2.projectPoints(
             view.object_points, np.array([rx, ry, rz]), np.array(t), c.camera.matrix, c.camera.distortion
         )
         e = np.sum((q[:, 0] - view.image_points) ** 2, axis=1)
         assert rms == pytest.approx(np.sqrt(e.mean()), rel=1e-6)
-        square, count = square + e.sum(), count + len(e)
-    assert c.avg_reprojection_error == pytest.approx(np.sqrt(square / count), rel=1e-9)
+        squares.append(e)
+    assert c.avg_reprojection_error == pytest.approx(np.sqrt(np.concatenate(squares).mean()), rel=1e-9)
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
 @pytest.mark.parametrize("name", corner_sets(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
 def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
-    """The prior carries what a single view does not: near the truth, and the uncertainty is owned up to."""
     views, size = corner_views(name)
     truth = fit(views, size, "fisheye" if name == "jy_left" else model, robust=False).camera
     for view in views[:2]:
@@ -144,14 +144,11 @@ def test_truth_without_noise_is_found() -> None:
     camera = synthetic.rectilinear_cameras()[4]
     views = populations.views(camera, np.random.default_rng(2), noise=0.0, count=8)
     c = fit(views, camera.img_size, robust=False)
-    assert len(c.poses) == 8
-    assert c.avg_reprojection_error < 1e-6
     np.testing.assert_allclose(c.camera.intrinsics, camera.intrinsics, rtol=1e-6, atol=1e-6)
-    np.testing.assert_allclose(c.view_errors, 0, atol=1e-6)
+    np.testing.assert_allclose(c.view_errors, np.zeros(8), atol=1e-6)
 
 
 def test_rational_does_not_fold_in_uncovered_corners() -> None:
-    """Numerator and denominator cancel where they are seen; they must beyond, too."""
     c, camera = export_sources.subject("rational").camera, export_sources.truth("rational")
     error = synthetic.projection_error(camera, c)
     assert c.domain().covered == 1
@@ -159,16 +156,11 @@ def test_rational_does_not_fold_in_uncovered_corners() -> None:
 
 
 def good_view() -> View:
-    board = Board()
-    camera = Camera(
-        "rectilinear", np.array([[900, 0, 640], [0, 900, 360], [0, 0, 1.0]]), np.zeros(5), (1280, 720)
-    )
-    q = camera.project(board.points @ np.eye(3) + [-4.5, -3, 8.0])
-    return View(board.points, q)
+    points = Board().points
+    return View(points, (points[:, :2] - [4.5, 3]) * 112 + [640, 360])
 
 
 IMPLAUSIBLE = {"not_believable", "no_fit", "not_converged"}
-"""Of measurements that are no board's: which of them a fit meets first does not matter."""
 
 
 def bad_views() -> list[ParameterSet]:
@@ -194,14 +186,10 @@ def test_bad_views_are_refused_with_a_reason(views: list[View], codes: set[str])
     with pytest.raises(CalibrationError) as caught:
         fit(views, (1280, 720), "fisheye")
     assert caught.value.code in codes
-    assert caught.value.message
 
 
 def test_sizes_of_no_image_are_refused() -> None:
-    for size in ((0, 720), (100_000, 720)):
-        with pytest.raises(CalibrationError, match="px cannot be calibrated"):
-            fit([good_view()], size)
-    for size in (None, 1280, "1280x720", (1280, 720, 3)):
+    for size in ((0, 720), (100_000, 720), None, 1280, "1280x720", (1280, 720, 3)):
         with pytest.raises(CalibrationError) as caught:
             fit([good_view()], size)  # type: ignore[arg-type]
         assert caught.value.code == "out_of_range"
@@ -215,18 +203,12 @@ def test_views_may_come_one_by_one() -> None:
 
 def test_record_has_the_stored_members() -> None:
     views, size = corner_views("opencv_left")
-    record = fit(views, size).record()
-    assert set(record) == {
-        "img_size",
-        "camera_matrix",
-        "distortion_coefficients",
-        "distortion_model",
-        "avg_reprojection_error",
-        "uncertainty",
-        "systematic",
-        "board_shape",
-    }
-    assert record["img_size"] == [640, 480]
-    assert np.shape(record["camera_matrix"]) == (3, 3)
-    assert len(record["distortion_coefficients"]) == 5
+    found = fit(views, size)
+    record = found.record()
+    assert " ".join(record) == (
+        "img_size camera_matrix distortion_coefficients distortion_model avg_reprojection_error uncertainty "
+        "systematic board_shape"
+    )
+    np.testing.assert_array_equal(Camera.from_record(record).intrinsics, found.camera.intrinsics)
     assert 0 < record["uncertainty"]["rms"] < record["uncertainty"]["max"]
+    assert record["systematic"] == found.inflation

@@ -1,11 +1,11 @@
-"""Outlier masks of real corners do not depend on where the fit starts or how the views are ordered."""
+"""Outlier masks of real corners do not depend on where the fit starts."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from calibsolver import Calibration, Camera, View, fit
+from calibsolver import Camera, View, fit
 from tests.helpers import data
 from tests.helpers.marks import thorough
 from tests.helpers.solver.computed_once import fit_once
@@ -31,14 +31,8 @@ WHOLE = [
 ]
 
 
-def assert_same(one: Calibration, used: Sequence[np.ndarray], intrinsics: np.ndarray) -> None:
-    assert all(np.array_equal(a, b) for a, b in zip(one.used, used, strict=True))
-    deviations = np.sqrt(np.diagonal(one.covariance))
-    assert np.abs((intrinsics - one.camera.intrinsics) / deviations).max() < SHIFT_DEVIATIONS
-
-
 @pytest.mark.parametrize(("name", "model", "chosen"), KNIFE_EDGES + WHOLE)
-def test_start_and_order_leave_the_mask(name: str, model: str, chosen: Sequence[int]) -> None:
+def test_start_leaves_the_mask(name: str, model: str, chosen: Sequence[int]) -> None:
     every, size = data.corner_views(name)
     views: list[View] = [view for i, view in enumerate(every) if i in chosen]
     first = fit_once(views, size, model)
@@ -46,8 +40,7 @@ def test_start_and_order_leave_the_mask(name: str, model: str, chosen: Sequence[
         f, center = focal * size[0], [(size[0] - 1) / 2, (size[1] - 1) / 2]
         start = Camera.from_intrinsics("rectilinear", np.array([f, f, *center, 0, 0, 0, 0, 0]), size)
         other = fit(views, size, model, start=start)
-        assert_same(first, other.used, other.camera.intrinsics)
-    order = np.random.default_rng(0).permutation(len(views)).tolist()
-    shuffled = fit([views[i] for i in order], size, model)
-    back = np.argsort(order)
-    assert_same(first, [shuffled.used[i] for i in back], shuffled.camera.intrinsics)
+        assert all(np.array_equal(a, b) for a, b in zip(first.used, other.used, strict=True))
+        deviations = np.sqrt(np.diagonal(first.covariance))
+        shift = other.camera.intrinsics - first.camera.intrinsics
+        assert np.abs(shift / deviations).max() < SHIFT_DEVIATIONS

@@ -18,7 +18,7 @@ GRID = (20, 15)
 
 @pytest.mark.parametrize("name", corner_sets(["opencv_left", "jy_left"]))
 def test_error_outside_the_hull_is_below_the_stated_maximum(name: str) -> None:
-    """Half of the views, against all with the best model: opencv_left 25 px off, the covariance says 2.9."""
+    """Half of the views, against all with the best model."""
     views, size = corner_views(name)
     model = {"opencv_left": "rectilinear", "jy_left": "omnidirectional"}[name]
     best = fit_once(views, size, model).camera
@@ -54,7 +54,6 @@ def test_models_that_explain_less_are_no_rivals() -> None:
 
 
 def test_a_turned_camera_is_no_rival() -> None:
-    """The same lens, turned: its distance is 0 after the best rotation, but for the principal point."""
     camera = fit_once(*corner_views("opencv_left")).camera
     w, h = camera.img_size
     hull = Hull.of(np.array([[w / 4, h / 4], [3 * w / 4, h / 4], [3 * w / 4, 3 * h / 4], [w / 4, 3 * h / 4]]))

@@ -1,4 +1,4 @@
-"""Invariance of a fit: the order of views and points, the unit of the board."""
+"""Invariance of a fit to order and to the unit of the board."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A model is one class and one line in the registry: the division model, written here, is fitted at once."""
+"""A new model is one class and one line in the registry."""
 
 import numpy as np
 import pytest
