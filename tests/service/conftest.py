@@ -3,6 +3,7 @@
 import functools
 import ssl
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import typer.main
@@ -11,6 +12,7 @@ from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.operator import Operator
 from tests.helpers.solver.computed_once import computed_once
 
 
@@ -78,3 +80,9 @@ def running(client: Client) -> Client:
     """A client with a session of its own."""
     assert client.open().status == 201
     return client
+
+
+@pytest.fixture
+def operator(tmp_path: Path) -> Operator:
+    """The operator of an empty folder."""
+    return Operator(tmp_path / "data")

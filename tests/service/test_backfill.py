@@ -9,35 +9,35 @@ import pytest
 
 from calibdb import schema
 from infra.deploy.template import parse
-from infra.ops.__main__ import main
 from infra.server import jobs
 from infra.server.server import Server
 from tests.helpers.service import iam
+from tests.helpers.service.operator import Operator
 from tests.helpers.service.published import calibration, publish, store
 
 ROOT = Path(__file__).parents[2]
 CAMERAS = ("Backfilled one", "Backfilled two")
 MODELS = set(schema.DISTORTION_MODELS)
+EVERYTHING = {(CAMERAS[0], 0.0): MODELS, (CAMERAS[1], 0.0): MODELS, (CAMERAS[1], 2.0): MODELS}
 
 
 @pytest.fixture
-def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A stack's folder, left by a version that knew one model: two cameras, one of them at two sizes."""
-    folder = tmp_path / "data"
-    monkeypatch.setenv("DATA_DIR", str(folder))
-    with Server(folder) as stack:
+def operator(tmp_path: Path) -> Operator:
+    """Operator of what a version left that knew one model: two cameras, one of them at two zooms."""
+    operator = Operator(tmp_path / "data")
+    with Server(operator.folder) as stack:
         for camera in CAMERAS:
             documents = [calibration(camera, n) for n in range(2)]
             publish(stack, *documents)
         document = documents[-1]
         other_zoom = document.model_copy(update={"zoom": 2.0, "id": document.id[:-4] + "ffff"})
         store(stack).calibrations.publish(other_zoom)
-    return folder
+    return operator
 
 
 @pytest.fixture
-def stack(data_dir: Path) -> Iterator[Server]:
-    with Server(data_dir) as stack:
+def stack(operator: Operator) -> Iterator[Server]:
+    with Server(operator.folder) as stack:
         yield stack
 
 
@@ -49,27 +49,18 @@ def known(stack: Server) -> dict[tuple[str, float], set[str]]:
     return found
 
 
-def everything() -> dict[tuple[str, float], set[str]]:
-    return {**{(camera, 0.0): MODELS for camera in CAMERAS}, (CAMERAS[-1], 2.0): MODELS}
+def test_backfill_command_fills_the_table(operator: Operator) -> None:
+    assert f"3 modes of cameras checked, {2 * 3 + 4} consensuses computed" in operator("backfill")
+    with Server(operator.folder) as stack:
+        assert known(stack) == EVERYTHING
+    assert "3 modes of cameras checked, 0 consensuses computed" in operator("backfill")
 
 
-def test_backfill_command_fills_the_table(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["backfill"]) == 0
-    said = capsys.readouterr().out
-    assert f"3 modes of cameras checked, {2 * 3 + 4} consensuses computed" in said
-    with Server(data_dir) as stack:
-        assert known(stack) == everything()
-    assert main(["backfill"]) == 0
-    assert "3 modes of cameras checked, 0 consensuses computed" in capsys.readouterr().out
-
-
-@pytest.mark.usefixtures("data_dir")
-def test_stopped_backfill_continues(capsys: pytest.CaptureFixture[str]) -> None:
+def test_stopped_backfill_continues(operator: Operator) -> None:
     first, other = sorted(calibration(camera, 0).camera_key for camera in CAMERAS)
-    assert main(["backfill", "--after", first]) == 0
-    said = capsys.readouterr().out
-    assert first not in said
-    assert other in said
+    printed = operator("backfill", "--after", first)
+    assert first not in printed
+    assert other in printed
 
 
 def test_state_machine_backfills_every_object(stack: Server) -> None:
@@ -92,7 +83,7 @@ def test_state_machine_backfills_every_object(stack: Server) -> None:
         found = invoke("backfill", {"Items": items[start : start + size]})
         for request in found["requests"]:
             invoke("refit", request)
-    assert known(stack) == everything()
+    assert known(stack) == EVERYTHING
     functions = {first["Parameters"]["FunctionName"], refit["Parameters"]["FunctionName"]}
     assert functions == {"${Backfill}", "${Refit}"}
 
@@ -116,8 +107,6 @@ def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: Server) ->
     assert [r["camera"] for r in found["requests"]] == [old.camera_key]
     assert invoke("backfill", {"Items": []}) == {"requests": []}
 
-
-# ---------------------------------------------------------------- limits of the state machine
 
 MAX_PAYLOAD_BYTES = 256 * 1024  # of a state's input and output; AWS Step Functions developer guide, "Quotas"
 

@@ -1,6 +1,5 @@
 """Data folders: damage is reported in a sentence, nothing is lost silently, backups answer alike."""
 
-import json
 import os
 import random
 import shutil
@@ -20,7 +19,6 @@ from calibdb.store.sqlite import (
     SqliteObjects,
     SqliteTable,
 )
-from infra.ops.__main__ import main
 from infra.ops.backup import write_backup
 from infra.server import folder as folders
 from infra.server.folder import KEYPOINTS, Folder, FolderError
@@ -28,6 +26,7 @@ from infra.server.secrets import SecretsError
 from infra.server.server import Server
 from infra.server.write_ahead_log import lost_commits
 from tests.helpers.service.client import Client
+from tests.helpers.service.operator import Operator
 from tests.helpers.service.published import calibration, publish
 
 ROWS = 120
@@ -196,31 +195,18 @@ def test_expired_items_are_not_returned_and_swept() -> None:
     database.close()
 
 
-def answers(server: Server) -> list[Any]:
-    """Answers to lookups, without the address of the server."""
-    return [
-        {name: value for name, value in answer.json.items() if name != "guidance_url"}
-        for camera in ("Backed up one", "Backed up two")
-        if (answer := Client(server).lookup(camera=camera)).status == 200
-    ]
-
-
-def test_backup_of_a_running_server_answers_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    backup, restored = tmp_path / "backup.tar", tmp_path / "restored"
-    with Server(tmp_path / "data") as server:
-        for camera in ("Backed up one", "Backed up two"):
-            publish(server, *(calibration(camera, n) for n in range(5)))
-        before = answers(server)
-        assert len(before) == 2
-        write_backup(tmp_path / "data", backup)
+def test_backup_of_a_running_server_answers_alike(tmp_path: Path, operator: Operator) -> None:
+    backup, camera = tmp_path / "backup.tar", "Backed up"
+    with Server(tmp_path / "running") as server:
+        publish(server, *(calibration(camera, n) for n in range(5)))
+        before = Client(server).lookup(camera=camera)
+        assert before.status == 200
+        write_backup(tmp_path / "running", backup)
     assert stat.S_IMODE(backup.stat().st_mode) == 0o600
-    assert main(["--data", str(restored), "restore", str(backup)]) == 0
-    with Server(restored) as server:
-        assert answers(server) == before
-        assert main(["--data", str(restored), "restore", str(backup)]) == 1
-        assert "in use" in capsys.readouterr().err
-    assert main(["--data", str(restored), "backup", str(backup)]) == 1
-    assert "exists" in capsys.readouterr().err
-    assert main(["--data", str(restored), "restore", str(backup), "--json"]) == 0
-    kept = json.loads(capsys.readouterr().out)["before"]
+    operator("restore", backup)
+    with Server(operator.folder) as server:
+        assert Client(server).lookup(camera=camera).json == before.json
+        assert "in use" in operator("restore", backup, status=1)
+    assert "exists" in operator("backup", backup, status=1)
+    kept = operator.document("restore", backup)["before"]
     assert (Path(kept) / FILE_NAME).exists()
