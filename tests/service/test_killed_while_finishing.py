@@ -19,16 +19,15 @@ import pytest
 from calibdb import schema
 from infra.ops.__main__ import main
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import store
 from tests.helpers.stack.processes import LocalProcess
+from tests.service.test_durability import bearer
 
 MOMENTS = int(os.environ.get("CALIBDB_KILLS", "1"))
-AT_ONCE = min(
-    6, MOMENTS
-)  # captures that end when the server is killed: each is cut off at a moment of its own
+#: captures that end when the server is killed: each is cut off at a moment of its own
+AT_ONCE = min(6, MOMENTS)
 KILLS = MOMENTS // AT_ONCE
-TOKEN = {"authorization": "Bearer cdb_dev_local"}
 Views = list[dict[str, Any]]
 
 
@@ -50,7 +49,7 @@ def capture() -> Views:
 
 def begin(client: httpx.Client, views: Views, camera: str) -> str:
     """A session that lacks its last view."""
-    session = str(client.post("/v1/auth", headers=TOKEN).json()["session_id"])
+    session = str(client.post("/v1/auth", headers=bearer(TOKEN)).json()["session_id"])
     assert send(client, session, "/v1/session", {**CAMERA, **BRIEF, "camera": camera}).status_code == 201
     for view in views[:-1]:
         answer = send(client, session, "/v1/session/views", view)
@@ -59,7 +58,7 @@ def begin(client: httpx.Client, views: Views, camera: str) -> str:
 
 
 def send(client: httpx.Client, session: str, path: str, body: dict[str, Any]) -> httpx.Response:
-    return client.post(path, headers={"authorization": f"Bearer {session}"}, json=body)
+    return client.post(path, headers=bearer(session), json=body)
 
 
 def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any], kill_after: float) -> float:
@@ -124,8 +123,7 @@ def test_kill_while_finishing_is_completed_by_a_retry(
                 url = opened.enter_context(opened.enter_context(Server(data_dir)).serve())
             client = opened.enter_context(httpx.Client(base_url=url, timeout=60))
             for session in cut:
-                headers = {"authorization": f"Bearer {session}"}
-                state = client.get("/v1/session", headers=headers).json()
+                state = client.get("/v1/session", headers=bearer(session)).json()
                 outcomes[state["status"]] += 1
                 if state["status"] == "capturing":
                     assert len(state["views"]) == len(views) - 1
@@ -148,4 +146,3 @@ def test_kill_while_finishing_is_completed_by_a_retry(
     assert files == indexed == behind
     assert sum(outcomes.values()) == KILLS * AT_ONCE
     assert len(files) == (KILLS + 1) * AT_ONCE, "every capture once"
-    print(f"of {KILLS * AT_ONCE} captures {outcomes['converged']} had ended when the server was killed")

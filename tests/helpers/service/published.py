@@ -110,3 +110,15 @@ def mode_of(document: schema.CalibrationDocument) -> StreamMode:
 def asked(mode: StreamMode, *models: str) -> schema.RefitRequest:
     """The request for the consensus; of all models, where none is named."""
     return schema.RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=models)
+
+
+def pooled(store: Store, document: schema.CalibrationDocument) -> Any:
+    """Compute the rectilinear consensus of a calibration's mode."""
+    (found,) = store.refit.now(asked(mode_of(document), "rectilinear")).models.values()
+    return found
+
+
+def stored(store: Store, document: schema.CalibrationDocument, model: str = "rectilinear") -> Any:
+    """Consensus of a calibration's mode as it is stored."""
+    (found,) = (one for one in store.consensuses.at(mode_of(document)) if one.distortion_model == model)
+    return found

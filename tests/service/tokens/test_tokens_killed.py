@@ -11,12 +11,11 @@ import pytest
 
 from calibdb.store.ports import Storage
 from infra.server.server import Server
-from tests.helpers.service.client import CAMERA, Answer, Client
+from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.in_process import request
 from tests.helpers.service.intercepted import WRITES, intercepted_service
 from tests.helpers.service.stores import override_service
-
-SITE = "https://example.org"
+from tests.helpers.service.strangers import SITE, ask, make, manage
 
 
 class KilledError(Exception):
@@ -29,6 +28,29 @@ class Process:
 
     written: int = 0
     killed: bool = False
+
+
+@dataclass
+class Owner:
+    """Somebody with a token of their own."""
+
+    client: Client
+    made: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.made = make(self.client, "http://localhost", SITE)
+
+    def manage(self, method: str, action: str = "", body: object = None) -> Answer:
+        return manage(self.client, method, self.made, action, body)
+
+    def send(self, method: str, action: str, body: object) -> int:
+        """Send a request that nobody may live to answer; return its status."""
+        headers = {"authorization": f"Bearer {self.made['management_token']}"}
+        content = b"" if body is None else json.dumps(body).encode()
+        return request(self.client.stack, method, f"/v1/tokens/self{action}", headers, body=content).status
+
+    def lookup(self, token: str, origin: str | None = None) -> int:
+        return ask(self.client, token, origin).status
 
 
 @contextmanager
@@ -51,32 +73,6 @@ def killed_at(storage: Storage, number: int) -> Iterator[Process]:
 def stack() -> Iterator[Server]:
     with Server() as stack, override_service(token_ttl_s=0):
         yield stack
-
-
-@dataclass
-class Owner:
-    """Somebody with a token of their own."""
-
-    client: Client
-    made: Any = field(init=False)
-
-    def __post_init__(self) -> None:
-        body = {"origins": ["http://localhost", SITE]}
-        self.made = self.client.call("POST", "/v1/tokens", body, token="").json
-
-    def manage(self, method: str, action: str = "", body: object = None) -> Answer:
-        return self.client.call(method, f"/v1/tokens/self{action}", body, token=self.made["management_token"])
-
-    def send(self, method: str, action: str, body: object) -> int:
-        """Send a request that nobody may live to answer; return its status."""
-        headers = {"authorization": f"Bearer {self.made['management_token']}"}
-        content = b"" if body is None else json.dumps(body).encode()
-        return request(self.client.stack, method, f"/v1/tokens/self{action}", headers, body=content).status
-
-    def lookup(self, token: str, origin: str | None = None) -> int:
-        headers = {} if origin is None else {"origin": origin}
-        body = {**CAMERA, "miss": "ok"}
-        return self.client.call("POST", "/v1/lookup", body, token=token, headers=headers).status
 
 
 def rotated(owner: Owner, answer: Answer) -> None:
