@@ -35,10 +35,6 @@ def send(client: Client, views: list[Corners], index: int = 0) -> Answer:
     return client.call("POST", "/v1/session/batch", {"index": index, "views": views})
 
 
-def kind(answer: Answer) -> tuple[int, str]:
-    return answer.status, answer.kind
-
-
 def mirrored(view: Corners) -> Corners:
     return {**view, "points": [[1279 - x, y] for x, y in view["points"]]}
 
@@ -54,7 +50,7 @@ def test_batch_gives_the_results_and_the_camera_of_single_views(
         answer = client.view(taken, view["ids"], view["points"]).json
         taken += answer["accepted"]
         single.append((answer["accepted"], answer["reason"]))
-    one_by_one = client.call("POST", "/v1/session/finish").json
+    one_by_one = client.finish().json
     client.open(camera="One by one", capture="recorded")
     answer = send(client, mixed).json
     assert [(result["accepted"], result["reason"]) for result in answer["results"]] == single
@@ -63,7 +59,7 @@ def test_batch_gives_the_results_and_the_camera_of_single_views(
     errors = [result["error"] for result in answer["results"] if result["error"] is not None]
     assert errors[-1] == answer["uncertainty"]["rms"] < errors[0]
     assert len(answer["views"]) == 8
-    ended = client.call("POST", "/v1/session/finish").json
+    ended = client.finish().json
     assert np.allclose(
         ended["calibration"]["camera_matrix"], one_by_one["calibration"]["camera_matrix"], atol=0.01
     )
@@ -80,18 +76,18 @@ def test_repeated_batch_adds_nothing_and_returns_the_same_indices(
     assert [result["index"] for result in more["results"]] == [5, 6, 7, 8, 9], (
         "a new batch, not a repeated one"
     )
-    assert kind(send(recorded, corners[:1], index=11)) == (409, "index-not-open")
+    assert send(recorded, corners[:1], index=11).problem == (409, "index-not-open")
     assert recorded.call("DELETE", "/v1/session/views/9").status == 200
-    assert kind(send(recorded, corners[3:], index=5)) == (409, "index-not-open"), (
+    assert send(recorded, corners[3:], index=5).problem == (409, "index-not-open"), (
         "an undone view stays undone"
     )
 
 
 def test_finished_session_repeats_results_and_takes_no_more(recorded: Client, corners: list[Corners]) -> None:
     first = send(recorded, corners[:5]).json["results"]
-    assert recorded.call("POST", "/v1/session/finish").status == 200
+    assert recorded.finish().status == 200
     assert send(recorded, corners[:5]).json["results"] == first
-    assert kind(send(recorded, corners, index=0)) == (409, "converged")
+    assert send(recorded, corners, index=0).problem == (409, "converged")
 
 
 def test_wrong_views_are_named_each_once_and_nothing_is_judged(
@@ -113,17 +109,17 @@ def test_session_of_batches_has_the_limits_of_single_views(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("calibdb.rules.session_rules.MAX_RECORDED_VIEWS", 6)
-    assert kind(send(recorded, corners)) == (409, "session-full")
+    assert send(recorded, corners).problem == (409, "session-full")
     assert recorded.state()["views"] == []
     assert send(recorded, corners[:6]).status == 200
-    assert kind(send(recorded, corners[6:], index=6)) == (409, "session-full")
+    assert send(recorded, corners[6:], index=6).problem == (409, "session-full")
     monkeypatch.setattr("calibdb.rules.session_rules.MAX_POINTS", 100)
-    assert kind(send(recorded, corners[6:], index=6)) == (409, "session-full")
+    assert send(recorded, corners[6:], index=6).problem == (409, "session-full")
 
 
 def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corners]) -> None:
     client.open(camera="Live")
-    assert kind(send(client, corners)) == (409, "not-recorded")
+    assert send(client, corners).problem == (409, "not-recorded")
 
 
 @pytest.mark.parametrize("left_s", [0.5, 2.0], ids=["before the fourth view", "in the fourth view"])

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from calibdb.camera_key import camera_key
 from infra.server.server import Server
-from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.client import Client
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
@@ -28,7 +28,7 @@ def test_best_known_sizes_are_shown_by_two_reads_each(stack: Server) -> None:
     client, path = Client(stack), f"/v1/cameras/{camera_key(CAMERA, LINUX)}"
     client.lookup()  # the token is remembered from here on
     with storage_calls(stack) as asked:
-        modes = client.call("GET", path, token=TOKEN).json["modes"]
+        modes = client.call("GET", path).json["modes"]
     assert Counter(asked) == {"GetItem": 1 + 60, "Query": 1 + 60}
     sizes = [tuple(mode["img_size"]) for mode in modes]
     assert len(sizes) == 60

@@ -165,7 +165,7 @@ def test_session_that_states_more_than_3_px_does_not_count(stack: Server) -> Non
     for index in range(4):  # facing the camera, so that focal length and distance trade places
         pose = {"rvec": [0.0, 0.0, 0.4 * index], "tvec": [-3.0 - 2 * (index % 2), -2.0 - index, 22.0]}
         assert client.view(index, *truth.see(pose)).json["accepted"]
-    state = client.call("POST", "/v1/session/finish").json
+    state = client.finish().json
     assert (state["status"], state["end"]) == ("converged", "asked")
     assert state["uncertainty"]["inside"] > 3
     document = store(stack).calibrations.get(str(state["calibration_id"]))

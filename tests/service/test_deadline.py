@@ -14,15 +14,15 @@ from calibdb.http.call import Call
 from calibdb.rules.rig_state import Rig
 from calibdb.service import Service
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import BRIEF, Client, Truth
+from tests.helpers.service.published import views
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.strangers import standing_clock
 
 
 @pytest.fixture(scope="module")
 def calibration(stack: Server) -> str:
-    found: str = Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"]
-    return found
+    return str(Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"])
 
 
 def without_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -38,7 +38,7 @@ def test_view_that_takes_too_long_is_a_conflict_and_changes_nothing(
     with monkeypatch.context() as patch:
         without_time(patch)
         answer = running.view(0, *seen)
-    assert (answer.status, answer.json["type"].endswith("too-slow")) == (409, True)
+    assert answer.problem == (409, "too-slow")
     assert "fewer" in answer.json["detail"]
     assert running.state() == before
     assert running.view(0, *seen).json["accepted"]
@@ -64,24 +64,17 @@ def test_export_that_takes_too_long_is_unprocessable(
     client: Client, calibration: str, monkeypatch: pytest.MonkeyPatch, query: str, field: str
 ) -> None:
     without_time(monkeypatch)
-    answer = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN, query=query)
-    assert answer.status == 422
-    assert [error["field"] for error in answer.json["errors"]] == [field]
+    answer = client.calibration(calibration, query)
+    assert answer.fields == [field]
 
 
+@pytest.mark.usefixtures("calibration")
 def test_check_that_takes_too_long_is_unprocessable(
-    stack: Server, calibration: str, monkeypatch: pytest.MonkeyPatch
+    stack: Server, client: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert calibration
     stack.wait_until_idle(60)
-    client, truth = Client(stack), Truth(seed=2)
-    client.open()
-    ids, points = truth.see(client.pose().json)
-    body = {**CAMERA, "views": [{"ids": ids, "points": points}]}
     without_time(monkeypatch)
-    answer = client.call("POST", "/v1/checks", body)
-    assert answer.status == 422
-    assert [error["field"] for error in answer.json["errors"]] == ["views"]
+    assert client.check(views(Truth(seed=2))).fields == ["views"]
 
 
 def test_rig_that_takes_too_long_is_a_conflict_and_stays(
@@ -93,7 +86,7 @@ def test_rig_that_takes_too_long_is_a_conflict_and_stays(
     with monkeypatch.context() as patch:
         patch.setattr(calls, "MAX_RIG_COMPUTE_S", 0.0)
         for answer in (rig.call("GET"), rig.call("POST", "/finish")):
-            assert (answer.status, answer.kind) == (409, "too-slow")
+            assert answer.problem == (409, "too-slow")
     undone = rig.call("DELETE", "/moments/m1")
     assert undone.status == 200, undone.body
     assert [moment["positions"] for moment in rig.state()["moments"]] == [[0, 1]]

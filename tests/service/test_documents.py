@@ -5,17 +5,17 @@ import contextlib
 import io
 import itertools
 import json
-import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from calibdb_client import Board, session
-from infra.server.server import Server
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build import recorded_examples
 from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
@@ -23,7 +23,7 @@ from infra.web_build.openapi import EXAMPLES_PATH
 from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
 from infra.web_build.recorded_examples import CALIBRATIONS
 from tests.helpers.board_pictures import write
-from tests.helpers.documents import CODE, SITE, Block, blocks, sources
+from tests.helpers.documents import CODE, SITE, blocks, sources
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client
 from tests.helpers.service.published import calibration, publish
@@ -115,8 +115,6 @@ def runner(language: str) -> Iterator[Callable[[str], tuple[int | None, str]]]:
     else:
         command = ["node", "--input-type=module", "-e", NODE]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as node:
-            assert node.stdin
-            assert node.stdout
 
             def run_module(code: str) -> tuple[int | None, str]:
                 node.stdin.write(base64.b64encode(code.encode()).decode() + "\n")
@@ -152,47 +150,45 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
                 learn(values, call.name, answer)
 
 
+def code_of(source: str, language: str) -> list[str]:
+    """Blocks of a document that run here."""
+    found = [block.code for block in blocks(source) if block.language == language and block.reason is None]
+    assert found
+    return found
+
+
 @pytest.mark.parametrize("source", SHELL)
 def test_commands_of_a_document_run_one_after_the_other(site: Site, source: str, tmp_path: Path) -> None:
-    assert shutil.which("curl")
-    found = [block for block in blocks(source) if block.language == "sh" and block.reason is None]
-    assert found
-    code = CURL + "\n".join(block.code for block in found).replace(SITE, site.url)
+    code = CURL + "\n".join(code_of(source, "sh")).replace(SITE, site.url)
     run(["bash", "-euo", "pipefail"], code, tmp_path)
 
 
 def test_every_block_of_code_is_run_or_says_why_not() -> None:
-    skipped: list[Block] = []
-    count = 0
-    for source in sources():
-        for block in blocks(source):
-            if block.language not in CODE:
-                continue
-            count += 1
-            runs = (
-                (block.source, block.language) in ELSEWHERE
-                or (block.language == "sh" and source in SHELL)
-                or (block.language == "python" and source in PYTHON)
-            )
-            if block.reason is not None:
-                skipped.append(block)
-                assert len(block.reason.split()) >= 3, f"{source}:{block.line} says no reason"
-            else:
-                assert runs, f"{source}:{block.line}: nobody runs this {block.language}"
-    assert count >= 40
-    assert len(skipped) <= 20, [f"{block.source}:{block.line}" for block in skipped]
+    code = [block for source in sources() for block in blocks(source) if block.language in CODE]
+    assert len(code) >= 40
+    for block in code:
+        place = f"{block.source}:{block.line}"
+        runs = (
+            (block.source, block.language) in ELSEWHERE
+            or (block.language == "sh" and block.source in SHELL)
+            or (block.language == "python" and block.source in PYTHON)
+        )
+        if block.reason is not None:
+            assert len(block.reason.split()) >= 3, f"{place} says no reason"
+        else:
+            assert runs, f"{place}: nobody runs this {block.language}"
+    skipped = [block for block in code if block.reason is not None]
+    assert len(skipped) <= 20
 
 
 def test_json_of_the_documents_is_json() -> None:
-    found = [block for source in sources() for block in blocks(source) if block.language == "json"]
-    assert found
-    for block in found:
-        json.loads(block.code)
+    for source in sources():
+        for block in blocks(source):
+            if block.language == "json":
+                json.loads(block.code)
 
 
 def test_token_of_the_samples_is_that_of_local_stacks() -> None:
-    from infra.server.server import DEVELOPMENT_TOKEN
-
     assert TOKEN == DEVELOPMENT_TOKEN
 
 
@@ -204,8 +200,6 @@ class FakeCamera:
     img_size = (1280, 720)
 
     def read(self) -> tuple[bool, Any]:
-        import numpy as np
-
         return True, np.zeros((720, 1280, 3), np.uint8)
 
 
@@ -222,8 +216,6 @@ def test_python_of_a_document_runs(
     board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
     monkeypatch.setattr("calibdb_client.pictures.recognise_board", lambda *_: board)
     write(tmp_path / "photos", board, count=5)
-    found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
-    assert found
-    for block in found:
-        run_python(block.code.replace(SITE, site.url))
+    for code in code_of(source, "python"):
+        run_python(code.replace(SITE, site.url))
     assert "image_width: 1280" in (tmp_path / "camera.yaml").read_text()

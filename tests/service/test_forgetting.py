@@ -6,7 +6,7 @@ from calibdb.schema import DISTORTION_MODELS
 from calibdb.store.keys import vote_object
 from infra.ops import withdrawal
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth, until
+from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.operator import Operator
 from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store, views
 from tests.helpers.service.strangers import context, standing_clock
@@ -76,7 +76,7 @@ def test_receipt_of_the_browser_forgets_the_contributor(operator: Operator) -> N
         receipt = client.session_id
         others = calibration("Another's camera Z77", 0)
         store(stack).calibrations.publish(others)
-        assert receipt not in json.dumps(client.call("GET", f"/v1/calibrations/{mine}", token=TOKEN).json)
+        assert receipt not in json.dumps(client.calibration(mine).json)
     for wrong in (receipt[:-2] + "xx", mine):
         complaint = operator("contributor", "forget", "--receipt", wrong, status=1)
         assert "no key of SESSION_SECRETS has signed" in complaint

@@ -88,7 +88,7 @@ def check(remote: Remote, heard: Acknowledged) -> None:
         if session in heard.calibrations:
             assert state["calibration_id"] == heard.calibrations[session]
     for name in heard.calibrations.values():
-        assert client.call("GET", f"/v1/calibrations/{name}", token=client.api_token).status == 200
+        assert client.calibration(name).status == 200
     for (rig, leader), moments in heard.moments.items():
         state = Client(remote, leader).call("GET", f"/v1/rigs/{rig}").json
         assert {moment["id"] for moment in state["moments"]} >= moments

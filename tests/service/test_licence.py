@@ -41,7 +41,7 @@ def test_licence_is_stored_with_session_calibration_and_export(client: Client) -
     stored = store(client.stack).calibrations.get(ended["calibration_id"])
     assert stored is not None
     assert stored.consent == CONSENT
-    shown = client.call("GET", f"/v1/calibrations/{stored.id}", token=client.api_token)
+    shown = client.calibration(stored.id)
     assert {name: shown.json[name] for name in CONSENT} == CONSENT
 
 

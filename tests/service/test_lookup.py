@@ -10,7 +10,7 @@ from calibdb.lookup import camera_match, well_known_ids
 from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server, variables_set
-from tests.helpers.service.client import TOKEN, Answer, Client
+from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put
 from tests.helpers.service.storage_calls import storage_calls
@@ -53,14 +53,8 @@ def test_a_hit_is_one_query_and_no_write(stack: Server, platform: str) -> None:
         answer = ask(stack, C920, platform)
     assert answer.status == 200
     assert asked == ["Query"]
-    assert answer.json["exact_size"] is True
-    assert {k: answer.json[k] for k in ("spread", "held_out_error", "basis", "relation", "adapted")} == {
-        "spread": 0.4,
-        "held_out_error": 0.3,
-        "basis": "consensus",
-        "relation": "scale",
-        "adapted": None,
-    }
+    facts = ("exact_size", "spread", "held_out_error", "basis", "relation", "adapted")
+    assert [answer.json[name] for name in facts] == [True, 0.4, 0.3, "consensus", "scale", None]
 
 
 def test_a_name_alone_takes_a_second_query(stack: Server) -> None:
@@ -78,7 +72,6 @@ def test_a_name_alone_takes_a_second_query(stack: Server) -> None:
         ("Doubtful X1 (1111:0001)", {}, "disagree", 1),
         ("Doubtful X1 (1111:0001)", {"distortion_model": "fisheye"}, "too_few", 1),
         (C920, {"zoom": 4.0}, "unknown_camera", 1),
-        (C920, {"resize_mode": "crop-and-scale"}, "unknown_camera", 0),
         (C920, {"resizeMode": "crop-and-scale"}, "unknown_camera", 0),
         ("OBS Virtual Camera", {}, "unknown_camera", 0),
     ],
@@ -156,22 +149,6 @@ def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> No
     assert ask(stack, label).status == 200
 
 
-@pytest.mark.usefixtures("in_public")
-def test_invented_usb_id_leaves_a_name_unambiguous(stack: Server, store: Store) -> None:
-    """A calibration under a name answers for an unknown id, but not for an id under another name."""
-    label = "Onefold X4"
-    store.calibrations.publish(calibration(label))
-    put(store, consensus(camera=label))
-    invented = f"{label} (dead:beef)"
-    store.calibrations.publish(calibration(invented, number=1))
-    well_known_ids.refresh_well_known(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
-    assert ask(stack, f"{label} (1111:0004)").status == 200
-    assert ask(stack, label).status == 200
-    put(store, consensus(camera=invented))
-    well_known_ids.refresh_well_known(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
-    assert ask(stack, f"{label} (1111:0004)").status == 307
-
-
 def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
     put(store, consensus(camera="Integrated Camera"))
     assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
@@ -186,7 +163,7 @@ def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) 
     label = "Cropped X5 (1111:0005)"
     store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))
     key = camera_key(label, LINUX)
-    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}", token=TOKEN)
+    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}")
     assert shown.status == 200
-    detail = Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN)
+    detail = Client(stack).call("GET", f"/v1/cameras/{key}")
     assert (detail.status, detail.json["modes"]) == (200, [])

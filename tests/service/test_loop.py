@@ -4,6 +4,7 @@ import time
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
 import pytest
 
 from calibdb import schema
@@ -26,11 +27,8 @@ def known(stack: Server) -> list[Any]:
 def test_capture_converges_near_the_truth(known: list[Any]) -> None:
     state = known[1]
     assert len(state["views"]) <= 8
-    (fx, _, cx), (_, fy, cy), _ = state["calibration"]["camera_matrix"]
-    assert abs(fx / 950 - 1) < 0.005
-    assert abs(fy / 948 - 1) < 0.005
-    assert abs(cx - 652) < 8
-    assert abs(cy - 351) < 8
+    away = np.abs(state["calibration"]["camera_matrix"] - Truth().matrix)
+    assert (away <= [[5, 0, 8], [0, 5, 8], [0, 0, 0]]).all()
     assert state["calibration"]["avg_reprojection_error"] < 0.4
 
 
@@ -57,9 +55,7 @@ def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
     answer = known[2].json
     assert list(answer) == [name for name in schema.LookupAnswer.model_fields if name != "estimate"]
     assert {name: answer[name] for name in CAMERA} == CAMERA
-    assert answer["calibrations"] == 5
-    assert answer["reliable"] is True
-    assert answer["exact_size"] is True
+    assert (answer["calibrations"], answer["reliable"], answer["exact_size"]) == (5, True, True)
     assert len(answer["distortion_coefficients"]) == 5
     assert abs(answer["camera_matrix"][0][0] - 950) < 1
     assert 0 < answer["uncertainty"]["rms"] <= answer["uncertainty"]["max"] < 0.3
@@ -97,11 +93,10 @@ class TestLookup:
     def test_without_redirect_the_body_has_the_url(self, client: Client) -> None:
         unknown = {**CAMERA, "camera": "Another camera"}
         for body, query in ((unknown, "redirect=false"), ({**unknown, "redirect": False}, "")):
-            answer = client.call("POST", "/v1/lookup", body, token=TOKEN, query=query)
+            answer = client.call("POST", "/v1/lookup", body, query=query)
             assert answer.status == 404
             assert "/calibrate/?camera=Another+camera&" in answer.json["guidance_url"]
             assert answer.json["reason"] == "unknown_camera"
-        assert client.call("POST", "/v1/lookup", CAMERA, token=TOKEN, query="redirect=false").status == 200
 
     def test_missing_model_is_computed_from_keypoints(self, stack: Server, client: Client) -> None:
         before = client.lookup(distortion_model="fisheye").json
@@ -115,12 +110,9 @@ class TestLookup:
         assert stack.storage.table.get(*place) is not None
 
     def test_answered_consensus_is_found_by_its_id(self, client: Client, known: list[Any]) -> None:
-        consensus = client.lookup().json
-        calibration = known[1]["calibration"]
-        for expected in (consensus, calibration):
-            path = f"/v1/calibrations/{expected['id']}"
-            found = client.call("GET", path, token=TOKEN).json
+        for expected in (client.lookup().json, known[1]["calibration"]):
+            found = client.calibration(expected["id"]).json
             of_both = expected.keys() & found.keys()
             assert of_both == schema.Calibration.model_fields.keys()
             assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
-            assert client.call("GET", path, token=TOKEN, query="format=calibdb").json == found
+            assert client.calibration(expected["id"], "format=calibdb").json == found

@@ -39,7 +39,7 @@ def group_of(stack: Server, fx: float) -> str:
 def shown(stack: Server, key: str) -> dict[float, str | None]:
     """Names of the groups on the camera's page, by the focal length of their first calibration."""
     client = Client(stack)
-    (mode,) = client.call("GET", f"/v1/cameras/{key}", token=client.api_token).json["modes"]
+    (mode,) = client.call("GET", f"/v1/cameras/{key}").json["modes"]
     focals = {member["id"]: member["fx"] for member in mode["members"]}
     return {
         round(focals[group[0]], -2): name

@@ -75,7 +75,7 @@ def test_views_that_fit_both_modes_change_nothing(stack: Server) -> None:
 
 def test_corners_that_the_board_does_not_have_are_refused(stack: Server) -> None:
     wrong = look(stack, views=[{"ids": [0, 1, 400], "points": [[1, 1], [2, 2], [3, 3]]}])
-    assert (wrong.status, wrong.json["errors"][0]["field"]) == (422, "views.0.ids.2")
+    assert wrong.fields == ["views.0.ids.2"]
     assert look(stack, views=views(950.0, 3) * 2).status == 422
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from calibsolver import Calibration, View, fit, formats
 from infra.server.server import Server
 from tests.helpers.data import corner_views, on_board
-from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.client import Client
 from tests.helpers.service.operator import Operator
 from tests.helpers.solver.export_sources import subject
 
@@ -45,12 +45,12 @@ def test_keypoints_become_a_calibration_like_any_other(operator: Operator, tmp_p
     name = printed.removeprefix("calibration ").split(":")[0]
     with Server(operator.folder) as stack:
         client = Client(stack)
-        shown = client.call("GET", f"/v1/calibrations/{name}", token=TOKEN).json
+        shown = client.calibration(name).json
         assert np.allclose(shown["camera_matrix"], calibration.camera.matrix, rtol=1e-6)
         assert shown["report"]["verdict"]["level"] in ("good", "fair", "poor")
         assert len(shown["report"]["views"]) == len(views)
         # audited like any other: its keypoints make the fit of another model, too
-        wide = client.call("GET", f"/v1/calibrations/{name}", token=TOKEN, query="format=gyroflow")
+        wide = client.calibration(name, "format=gyroflow")
         assert wide.status == 200
         asked = client.lookup(camera=WHOSE[1], platform=WHOSE[3], img_size=list(SIZE), redirect="false")
         assert (asked.status, asked.json["reason"]) == (404, "too_few")
@@ -68,7 +68,7 @@ def test_import_sets_a_degenerate_view_aside(operator: Operator, tmp_path: Path)
     assert "7 views (1 set aside: degenerate)" in printed
     with Server(operator.folder) as stack:
         name = printed.removeprefix("calibration ").split(":")[0]
-        shown = Client(stack).call("GET", f"/v1/calibrations/{name}", token=TOKEN).json
+        shown = Client(stack).calibration(name).json
     assert np.allclose(shown["camera_matrix"], calibration.camera.matrix, rtol=1e-6)
     assert [view["reason"] for view in shown["report"]["views"]] == [None] * 7 + ["degenerate"]
 
@@ -104,4 +104,4 @@ def test_malformed_file_stores_nothing(operator: Operator, tmp_path: Path) -> No
     assert "a calibration needs 4" in operator("import", path, *WHOSE, status=1)
     operator("import", path, "--camera", "OBS Virtual Camera", "--platform", "Windows", status=1)
     with Server(operator.folder) as stack:
-        assert Client(stack).call("GET", "/v1/cameras", token=TOKEN).json["cameras"] == []
+        assert Client(stack).call("GET", "/v1/cameras").json["cameras"] == []

@@ -1,11 +1,11 @@
 """The Python client and its command against the local stack."""
 
+import asyncio
 import json
 import runpy
 from pathlib import Path
 from typing import Any
 
-import httpx
 import numpy as np
 import pytest
 import yaml
@@ -30,51 +30,43 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 def known(stack: Server) -> dict[str, Any]:
     """The lookup of a camera that five contributors calibrated."""
     publish(stack, *(calibration(LABEL, n) for n in range(5)))
-    record: dict[str, Any] = Raw(stack).lookup(camera=LABEL, redirect=False).json
-    return record
+    return Raw(stack).lookup(camera=LABEL).json
 
 
 def test_three_lines_look_a_camera_up(served: str, known: dict[str, Any]) -> None:
     with Client(served, TOKEN, cache=False) as client:
         answer = client.lookup(LABEL, platform=PLATFORM, size=SIZE)
-        assert answer.calibration is not None
         assert answer.calibration.record == known
         assert abs(answer.calibration.camera_matrix[0, 0] - Truth().fx) < 3
         missing = client.lookup("Unheard Camera (1234:5678)", platform=PLATFORM, size=SIZE)
         assert (missing.calibration, missing.reason) == (None, "unknown_camera")
         assert "1234" in missing.guidance_url
-        assert answer.calibration.id
-        assert np.allclose(
-            client.calibration(answer.calibration.id).camera_matrix, answer.calibration.camera_matrix
-        )
+        again = client.calibration(answer.calibration.id)
+        assert np.allclose(again.camera_matrix, answer.calibration.camera_matrix)
         (camera,) = client.cameras("c920")
-        assert client.camera(camera["key"])["camera"] == camera["camera"]
+        assert client.camera(camera["key"])["camera"] == LABEL
         with pytest.raises(NotFoundError):
             client.camera("c4-absent-0123456789ab")
     with Client(served, "cdb_wrong_token", cache=False) as stranger, pytest.raises(CredentialError):
         stranger.cameras()
 
 
-async def _ask(url: str) -> tuple[Any, bytes]:
-    async with AsyncClient(url, TOKEN, cache=False) as client:
-        answer = await client.lookup(KEY)
-        assert answer.calibration is not None
-        assert answer.calibration.id
-        return answer.calibration.record, (await client.export(answer.calibration.id, "kalibr")).content
-
-
 def test_asynchronous_twin_answers_the_same(served: str, known: dict[str, Any]) -> None:
-    import asyncio
+    async def ask() -> tuple[Any, bytes]:
+        async with AsyncClient(served, TOKEN, cache=False) as client:
+            found = (await client.lookup(KEY)).calibration
+            return found.record, (await client.export(found.id, "kalibr")).content
 
-    record, kalibr = asyncio.run(_ask(served))
+    record, kalibr = asyncio.run(ask())
     assert record == known
     assert yaml.safe_load(kalibr)["cam0"]["resolution"] == list(SIZE)
 
 
-def test_every_file_is_the_services(served: str, known: dict[str, Any], tmp_path: Path) -> None:
+def test_every_file_is_the_services(
+    stack: Server, served: str, known: dict[str, Any], tmp_path: Path
+) -> None:
     with Client(served, TOKEN, cache=False) as client:
         calibration = client.lookup(KEY).calibration
-        assert calibration is not None
         file = calibration.save(tmp_path / "camera.yaml", format="ros")
     told = yaml.safe_load((tmp_path / "camera.yaml").read_bytes())
     # as ROS's camera_calibration_parsers reads it
@@ -82,10 +74,7 @@ def test_every_file_is_the_services(served: str, known: dict[str, Any], tmp_path
     assert told["distortion_coefficients"]["data"] == calibration.camera_info()["d"]
     assert (told["image_width"], told["distortion_model"]) == (1280, "plumb_bob")
     assert file.error == 0
-    asked = httpx.get(
-        f"{served}/v1/calibrations/{known['id']}?format=ros", headers={"authorization": f"Bearer {TOKEN}"}
-    )
-    assert file.content == asked.content
+    assert file.content == Raw(stack).calibration(known["id"], "format=ros").body
 
 
 @pytest.mark.usefixtures("served")
@@ -98,6 +87,13 @@ def test_lookup_command_prints_the_answer_of_the_api(
     assert "focal lengths" in capfd.readouterr().out
     assert main([*LOOKUP, "--format", "ros"]) == 0
     assert yaml.safe_load(capfd.readouterr().out)["image_height"] == 720
+
+
+@pytest.mark.usefixtures("served")
+def test_search_command_lists_the_camera(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["cameras", "c920", "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["cameras"][0]["camera"] == LABEL
+    assert main(["cameras", "absent"]) == 1
 
 
 @pytest.mark.usefixtures("served")
@@ -119,13 +115,6 @@ def test_export_command_writes_the_file(
     assert capfd.readouterr().out == ""
     assert main(["export", "c4-absent-0123456789ab~640x480~0~rectilinear"]) == 1
     assert main(["export", "../tokens"]) == 2
-
-
-@pytest.mark.usefixtures("served")
-def test_search_command_lists_the_camera(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["cameras", "c920", "--json"]) == 0
-    assert json.loads(capfd.readouterr().out)["cameras"][0]["camera"] == LABEL
-    assert main(["cameras", "absent"]) == 1
 
 
 @pytest.mark.usefixtures("served")
@@ -161,7 +150,6 @@ def test_folder_of_pictures_becomes_a_calibration_of_the_database(
         again = client.submit(Recording.load(path))
         assert np.allclose(again.calibration.camera_matrix, stored.camera_matrix)
         assert again.used == 5
-        assert stored.save(tmp_path / "ros.yaml", format="ros").error == 0
         compared = client.check_against(Recording.load(path), stored)
     assert main(["check", str(path), "--against", told["id"], "--json"]) == 0
     checked = json.loads(capfd.readouterr().out)
@@ -184,7 +172,6 @@ def test_ros_node_writes_what_camera_info_manager_reads(
     assert written["camera_matrix"]["data"] == message["k"]
     assert written["distortion_coefficients"]["data"] == message["d"]
     assert message["header"]["frame_id"] == "head"
-    assert (message["width"], message["distortion_model"]) == (1280, "plumb_bob")
     for path in (tmp_path / "cache").rglob("*"):
         assert path.stat().st_mode & 0o077 == 0, path
     assert message["k"] == np.ravel(known["camera_matrix"]).tolist()

@@ -41,19 +41,14 @@ def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
         assert answer["status"] == "capturing", "no error and no number of views ends it"
         assert answer["reason"] != "duplicate"
         taken += [view] if answer["accepted"] else []
-    assert (
-        len(taken) >= len(views) - 1
-    )  # a photograph of another board, or blurred, may contradict the others
-    ended = client.call("POST", "/v1/session/finish")
-    assert (ended.status, ended.json["status"]) == (200, "converged")
-    used = [v for v, state in zip(taken, ended.json["views"], strict=True) if state["set_aside"] is None]
-    assert len(used) >= len(views) - 1
-    expected = fit(used, tuple(ended.json["img_size"]))
-    matrix = expected.camera.matrix
-    assert np.allclose(ended.json["calibration"]["camera_matrix"], matrix, rtol=1e-4)
-    assert client.call("POST", "/v1/session/finish").json == ended.json, "again is answered again"
-    token = client.api_token
-    stored = client.call("GET", f"/v1/calibrations/{ended.json['calibration_id']}", token=token).json
+    ended = client.finish().json
+    assert ended["status"] == "converged"
+    used = [v for v, state in zip(taken, ended["views"], strict=True) if state["set_aside"] is None]
+    assert len(used) >= len(views) - 1, "one of another board, or blurred, may contradict the others"
+    expected = fit(used, tuple(ended["img_size"]))
+    assert np.allclose(ended["calibration"]["camera_matrix"], expected.camera.matrix, rtol=1e-4)
+    assert client.finish().json == ended, "again is answered again"
+    stored = client.calibration(ended["calibration_id"]).json
     assert len(stored["report"]["views"]) == len(used)
     shape, board = expected.board_shape, stored["report"]["board"]
     assert (board is None) == (shape is None)
@@ -77,7 +72,7 @@ def test_duplicate_counts_where_it_is_recorded_only(client: Client) -> None:
     near = ids, [[x + 3, y] for x, y in points]
     again = client.view(client.pose().json["index"], *near).json
     assert (again["accepted"], again["reason"]) == (False, "duplicate")
-    assert client.call("POST", "/v1/session/finish").status == 409
+    assert client.finish().status == 409
     client.open(camera="Recorded", capture="recorded")
     for index, view in enumerate([*views, near]):
         assert client.view(index, *view).json["accepted"]
@@ -87,14 +82,14 @@ def test_live_capture_can_be_ended_before_its_target_error(client: Client) -> No
     truth = Truth()
     client.open(camera="Live", target_error=0.01)
     for taken in range(4):
-        few = client.call("POST", "/v1/session/finish")
-        assert (few.status, few.kind) == (409, "too-few-views"), taken
+        few = client.finish()
+        assert few.problem == (409, "too-few-views"), taken
         assert truth.show(client).json["accepted"]
-    ended = client.call("POST", "/v1/session/finish").json
+    ended = client.finish().json
     assert (ended["status"], len(ended["views"])) == ("converged", 4)
     assert ended["uncertainty"]["rms"] > 0.01, "it says what it is worth, whatever was asked"
-    assert client.call("POST", "/v1/session/finish").json == ended
-    stored = client.call("GET", f"/v1/calibrations/{ended['calibration_id']}", token=client.api_token)
+    assert client.finish().json == ended
+    stored = client.calibration(ended["calibration_id"])
     assert stored.json["camera_matrix"] == ended["calibration"]["camera_matrix"]
 
 
@@ -105,15 +100,14 @@ def test_recorded_session_refuses_what_no_camera_saw(client: Client) -> None:
     row = [n for n, i in enumerate(ids) if i // 8 == 2]
     line = client.view(0, [ids[n] for n in row], [points[n] for n in row]).json
     assert (line["accepted"], line["reason"]) == (False, "degenerate")
-    few = client.call("POST", "/v1/session/finish")
-    assert (few.status, few.kind) == (409, "too-few-views")
+    few = client.finish()
+    assert few.problem == (409, "too-few-views")
     assert client.view(0, ids, points).json["accepted"]
-    assert client.call("POST", "/v1/session/finish").status == 409
+    assert client.finish().status == 409
 
 
 def test_recorded_and_live_are_different_sessions(client: Client) -> None:
     start = {"camera": "One", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-    client.open(camera="One", capture="recorded")
-    assert client.call("POST", "/v1/session", {**start, "capture": "recorded"}).status == 201
+    client.open(**start, capture="recorded")
     assert client.call("POST", "/v1/session", start).status == 409
     assert client.call("POST", "/v1/session", {**start, "capture": "video"}).status == 422

@@ -12,6 +12,7 @@ import numpy as np
 
 from infra.server.server import Server
 from infra.web_build.openapi import OPERATIONS
+from infra.web_build.operation import Operation
 from tests.helpers.service.in_process import request
 
 TOKEN = "cdb_dev_local"
@@ -34,6 +35,11 @@ class Answer:
         return str(self.json["type"]).rpartition("#")[2]
 
     @property
+    def problem(self) -> tuple[int, str]:
+        """Status and type of a problem."""
+        return self.status, self.kind
+
+    @property
     def fields(self) -> list[str]:
         """Names of the fields that a 422 refuses."""
         assert self.status == 422, self
@@ -49,13 +55,13 @@ def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
     return found
 
 
-def documented(method: str, path: str) -> set[int]:
-    """Return the statuses that the OpenAPI document promises; a wrong path or method has its own."""
+def described(method: str, path: str) -> Operation | None:
+    """Return what the OpenAPI document says of a call."""
     for operation in OPERATIONS:
         pattern = re.sub(r"\\{[^}]*\\}", "[^/]+", re.escape(operation.path))
         if operation.method.upper() == method and re.fullmatch(pattern, path):
-            return {*operation.answers, *operation.all_problems}
-    return {404, 405}
+            return operation
+    return None
 
 
 EDGE = "only the edge knows this"
@@ -82,14 +88,17 @@ class Client:
         query: str = "",
         headers: Mapping[str, str] | None = None,
     ) -> Answer:
-        """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends the session id."""
+        """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends what is wanted."""
+        operation = described(method, path)
+        if token is None:
+            wants_session = operation is None or "sessionId" in operation.credentials
+            token = self.session_id if wants_session else self.api_token if operation.credentials else ""
         sent = dict(headers or {})
         in_process = isinstance(self.stack, Server)
         if self.address and not in_process:
             sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
-        credential = self.session_id if token is None else token
-        if credential:
-            sent["authorization"] = f"Bearer {credential}"
+        if token:
+            sent["authorization"] = f"Bearer {token}"
         content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
         if content:
             sent.setdefault("content-type", "application/json")
@@ -99,7 +108,8 @@ class Client:
         else:
             response = self.stack.request(method, path, headers=sent, query=query, body=content)
         answer = Answer(response.status, response.headers, response.body)
-        assert answer.status in documented(method, path), (method, path, answer)
+        promised = {*operation.answers, *operation.all_problems} if operation else {404, 405}
+        assert answer.status in promised, (method, path, answer)
         if answer.status >= 400:
             assert answer.headers["content-type"] == "application/problem+json", answer
             assert {"type", "title", "status", "detail"} <= answer.json.keys(), answer
@@ -108,7 +118,7 @@ class Client:
 
     def authenticate(self, token: str | None = None) -> None:
         """Get a session id."""
-        opened = self.call("POST", "/v1/auth", token=token or self.api_token)
+        opened = self.call("POST", "/v1/auth", token=token)
         assert opened.status == 201, opened.body
         self.session_id = opened.json["session_id"]
 
@@ -126,13 +136,22 @@ class Client:
     def state(self) -> Any:
         return self.call("GET", "/v1/session").json
 
+    def finish(self) -> Answer:
+        return self.call("POST", "/v1/session/finish")
+
+    def forget(self) -> Answer:
+        return self.call("DELETE", "/v1/session")
+
+    def calibration(self, name: object, query: str = "") -> Answer:
+        return self.call("GET", f"/v1/calibrations/{name}", query=query)
+
     def check(self, views: object, **asked: object) -> Answer:
         """Check views, in a session of its own."""
         self.authenticate()
         return self.call("POST", "/v1/checks", {**CAMERA, "views": views, **asked})
 
     def lookup(self, **asked: object) -> Answer:
-        return self.call("POST", "/v1/lookup", {**CAMERA, **asked}, token=self.api_token)
+        return self.call("POST", "/v1/lookup", {**CAMERA, **asked})
 
 
 @dataclass

@@ -11,7 +11,7 @@ from infra.ops.context import OpsContext
 from infra.ops.dump import dump
 from infra.server.server import Server
 from tests.helpers.service import strangers
-from tests.helpers.service.client import EDGE, TOKEN
+from tests.helpers.service.client import EDGE
 from tests.helpers.service.rigs import RigTruth
 from tests.service.rigs.test_rig_crashes import crash_after
 
@@ -63,7 +63,7 @@ def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
     assert names(stack, "rig_calibrations/") == {f"rig_calibrations/{rig.rig_id}.json"}
     assert rig.state() == state
     for calibration in state["result"]["cameras"]:
-        assert rig.clients[0].call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).status == 200
+        assert rig.clients[0].calibration(calibration).status == 200
     assert running.call("POST", "/moments", {"moment": "goes-on"}).status == 201
     assert reindex.reindex(context).published == 0
     # what a dump holds
@@ -94,7 +94,7 @@ def test_forgetting_a_contributor_takes_their_rigs(stack: Server, context: OpsCo
         assert rig.call("GET").status == 404
     own, others = result["cameras"]
     client = finished.clients[0]
-    assert client.call("GET", f"/v1/calibrations/{own}", token=TOKEN).status == 200, "somebody else's"
-    assert client.call("GET", f"/v1/calibrations/{others}", token=TOKEN).status == 404
+    assert client.calibration(own).status == 200, "somebody else's"
+    assert client.calibration(others).status == 404
     assert gone not in withdrawal._contributors(context)
     assert left <= before

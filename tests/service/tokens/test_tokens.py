@@ -34,7 +34,7 @@ def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(cli
         "http://localhost:080",
     ):
         answer = ask(client, made["token"], origin)
-        assert (answer.status, answer.kind) == (403, "origin")
+        assert answer.problem == (403, "origin")
 
 
 @pytest.mark.parametrize("origin", ["http://example.org", "http://localhost:80", "http://LOCALHOST", "*", ""])
@@ -76,7 +76,7 @@ def test_origin_is_admitted_once_its_proof_is_found(client: Client, site: dict[s
         "content": f"calibdb-site-verification={made['id']}",
     }
     refused = ask(client, made["token"], SITE)
-    assert (refused.status, refused.kind) == (403, "origin-unverified")
+    assert refused.problem == (403, "origin-unverified")
     looked = manage(client, "POST", made, "/verify")
     assert states(looked) == {"http://localhost": "verified", SITE: "pending"}
     assert looked.json["origins"][1]["failure"] == "status"
@@ -183,7 +183,7 @@ def test_revoked_token_opens_nothing_and_says_so_to_its_owner(client: Client) ->
     assert ask(client, made["token"]).status == 403
     for method, action in (("GET", ""), ("POST", "/rotate"), ("POST", "/verify")):
         answer = manage(client, method, made, action)
-        assert (answer.status, answer.kind) == (403, "token-revoked")
+        assert answer.problem == (403, "token-revoked")
     reindex(context(client.stack))
     assert ask(client, made["token"]).status == 403
 
@@ -195,7 +195,7 @@ def test_trial_token_that_was_never_used_expires(client: Client, clock: Clock) -
     assert client.call("POST", "/v1/auth", token=used["token"]).status == 201
     clock.now += TRIAL_PERIOD_S + 60
     answer = ask(client, unused["token"])
-    assert (answer.status, answer.kind) == (403, "token-expired")
+    assert answer.problem == (403, "token-expired")
     assert manage(client, "GET", unused).status == 403
     assert ask(client, used["token"]).status == 200
     assert manage(client, "GET", used).json["expires"] is None
