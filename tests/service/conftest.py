@@ -51,20 +51,17 @@ def stack(request: pytest.FixtureRequest) -> Iterator[Server]:
 
 @pytest.fixture(scope="module")
 def store(stack: Server) -> Store:
-    """Storage of the server."""
     return published.store(stack)
 
 
 @pytest.fixture(scope="module")
 def url(stack: Server) -> Iterator[str]:
-    """Address of the server, while it listens."""
     with stack.serve() as url:
         yield url
 
 
 @pytest.fixture
 def served(url: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Address of the server, which the command of the Python client takes from the environment."""
     monkeypatch.setenv("CALIBDB_URL", url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     return url
@@ -77,12 +74,10 @@ def client(stack: Server) -> Client:
 
 @pytest.fixture
 def running(client: Client) -> Client:
-    """A client with a session of its own."""
     assert client.open().status == 201
     return client
 
 
 @pytest.fixture
 def operator(tmp_path: Path) -> Operator:
-    """The operator of an empty folder."""
     return Operator(tmp_path / "data")

@@ -23,7 +23,6 @@ EVERYTHING = {(CAMERAS[0], 0.0): MODELS, (CAMERAS[1], 0.0): MODELS, (CAMERAS[1],
 
 @pytest.fixture
 def operator(tmp_path: Path) -> Operator:
-    """Operator of what a version left that knew one model: two cameras, one of them at two zooms."""
     operator = Operator(tmp_path / "data")
     with Server(operator.folder) as stack:
         for camera in CAMERAS:
@@ -64,7 +63,6 @@ def test_stopped_backfill_continues(operator: Operator) -> None:
 
 
 def test_state_machine_backfills_every_object(stack: Server) -> None:
-    """Its states, interpreted here as Step Functions would: list, batch, name the modes, compute each."""
     definition = iam.definition(parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"])
     outer = definition["States"][definition["StartAt"]]
     assert outer["ItemReader"]["Resource"].endswith(":s3:listObjectsV2")

@@ -1,4 +1,4 @@
-"""Several views of a recorded session in one request: each has a result, and a wrong field refuses all."""
+"""Several views of a recorded session in one request."""
 
 from typing import Any
 
@@ -15,7 +15,6 @@ Corners = dict[str, Any]
 
 @pytest.fixture(scope="module")
 def corners() -> list[Corners]:
-    """Eight views of one camera."""
     truth, rng = Truth(), np.random.default_rng(0)
     views = []
     for turn in range(8):
@@ -126,7 +125,6 @@ def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corne
 def test_batch_without_time_returns_the_results_it_has(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch, left_s: float
 ) -> None:
-    """Three views have results, and the next request continues with the others."""
     judged: list[object] = []
     after_third = iter([left_s])
 

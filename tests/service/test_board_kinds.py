@@ -24,13 +24,11 @@ CHESSBOARD = {"kind": "chessboard", "squares": [10, 7]}
 
 
 def ended(client: Client) -> tuple[Any, CalibrationDocument]:
-    """End a session; return its state and what is stored of it."""
     state = client.finish().json
     return state, store(client.stack).calibrations.get(state["calibration_id"])
 
 
 def test_board_of_old_is_written_as_it_was() -> None:
-    """Records of boards without a kind stay as they are, byte for byte."""
     old = BoardModel.model_validate_json(USUAL)
     assert old.kind == "charuco"
     assert old.model_dump_json().encode() == USUAL
@@ -51,7 +49,6 @@ def photographed(client: Client, **surface: str) -> tuple[list[dict[str, Any]], 
 
 
 def test_board_on_a_screen_has_no_shape(client: Client) -> None:
-    """The chessboard of paper below, which is bent."""
     sent, _, _ = photographed(client, surface="screen")
     assert client.call("POST", "/v1/session/batch", {"index": 0, "views": sent[:5]}).status == 200
     assert client.state().get("board_shape") is None

@@ -1,4 +1,4 @@
-"""The offline file answers as a lookup does, or not at all: asked of both, for every label that was seen."""
+"""The offline file answers as a lookup does, or not at all."""
 
 import itertools
 import json
@@ -58,7 +58,6 @@ class Both:
 
 
 def reported(source: str) -> list[Label]:
-    """Labels of a source, each with a platform of the system that reports it."""
     rows = labels.rows(source)
     return [(row.label, PLATFORMS.get(row.system.partition("(")[0].partition("/")[0], LINUX)) for row in rows]
 
@@ -92,7 +91,6 @@ def fill(stack: Server, known: list[Label]) -> None:
 
 
 def requests(known: list[Label]) -> list[Request]:
-    """Every label here and elsewhere, without its USB id, too; where it was seen, in all sorts of ways."""
     found: list[Request] = []
     elsewhere = itertools.cycle(PLATFORMS.values())
     for number, (label, own) in enumerate(known):
@@ -111,7 +109,6 @@ def requests(known: list[Label]) -> list[Request]:
 
 @pytest.fixture(scope="module", params=labels.SOURCES)
 def filled(request: pytest.FixtureRequest) -> Iterator[tuple[Server, list[Label]]]:
-    """A service of its own for each source of labels, and those labels."""
     known = reported(request.param)[STEP - 1 :: STEP]
     with Server() as stack:
         fill(stack, known)
@@ -127,7 +124,6 @@ def both(
     filled: tuple[Server, list[Label]],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Both:
-    """Ask both, as many contributors being needed as the parameter says."""
     stack, known = filled
     path = tmp_path_factory.mktemp("bundle") / "cameras.json"
     with variables_set({"MIN_CONTRIBUTORS": request.param}):
@@ -142,7 +138,6 @@ def both(
 
 
 def same(one: Any, other: Any) -> bool:
-    """Compare what was rounded."""
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
     if isinstance(one, list):

@@ -1,4 +1,4 @@
-"""Anybody can add a size to a camera: what is shown of it, and what that costs, has a bound."""
+"""Anybody can add a size to a camera."""
 
 from collections import Counter
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""The database as it is browsed: the search, one camera, one calibration, and badges."""
+"""The database as it is browsed."""
 
 import json
 from typing import Any
@@ -17,7 +17,6 @@ from tests.helpers.service.published import put
 
 @pytest.fixture(scope="module", autouse=True)
 def known(store: Store) -> None:
-    """A webcam of one USB id, at two sizes."""
     store.calibrations.publish(calibration())
     put(
         store,

@@ -1,4 +1,4 @@
-"""The canary against a served stack: it looks up and calibrates, leaves nothing, and says where it failed."""
+"""The canary against a served stack."""
 
 import importlib.util
 import sys

@@ -1,4 +1,4 @@
-"""Checks on fresh views: they confirm few calibrations, withdraw wrong ones, and count once."""
+"""Checks on fresh views."""
 
 import re
 import time
@@ -21,7 +21,6 @@ FLAT = ((0.01, 0.0, 0.0),)
 def views(
     count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS, sag: float = 0.0
 ) -> list[dict[str, Any]]:
-    """Views of a board held by hand, through a camera with this focal length."""
     return published.views(Truth(fx=fx, fy=fx - 2, seed=seed, sag=sag), count, tilts)
 
 
@@ -39,13 +38,11 @@ def camera(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def known(stack: Server, camera: str) -> str:
-    """A camera with one calibration."""
     calibrated(stack, camera, 0)
     return camera
 
 
 def check(stack: Server, camera: str, **body: Any) -> Answer:
-    """One check, in a session of its own."""
     return Client(stack).check(**{"camera": camera, "views": views(), **body})
 
 

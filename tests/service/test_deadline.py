@@ -1,4 +1,4 @@
-"""Deadline of a request: where the budget of time ends, the answer says so and nothing is half done."""
+"""Deadline of a request."""
 
 import json
 from types import SimpleNamespace

@@ -151,7 +151,6 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
 
 
 def code_of(source: str, language: str) -> list[str]:
-    """Blocks of a document that run here."""
     found = [block.code for block in blocks(source) if block.language == language and block.reason is None]
     assert found
     return found

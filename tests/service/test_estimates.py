@@ -1,4 +1,4 @@
-"""Estimates in lookups that miss: always there, never stored, and led by what is stored of the camera."""
+"""Estimates in lookups that miss."""
 
 import json
 import math

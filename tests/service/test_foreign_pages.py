@@ -1,4 +1,4 @@
-"""Foreign web pages and the local stack: none of them may use it, by whatever name it is reached."""
+"""Foreign web pages and the local stack."""
 
 import socket
 import statistics

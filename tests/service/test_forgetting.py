@@ -1,4 +1,4 @@
-"""A contributor who wants to be forgotten: nothing is left, whatever it was and however it was sent."""
+"""A contributor who wants to be forgotten."""
 
 import json
 
@@ -13,7 +13,6 @@ from tests.helpers.service.strangers import context, standing_clock
 
 
 def stored(stack: Server) -> tuple[set[str], set[tuple[str, str]]]:
-    """Names of all objects but tokens; keys of all items."""
     names = {name for name in stack.storage.objects.names("") if not name.startswith("tokens/")}
     return names, set(stack.storage.table.keys(""))
 

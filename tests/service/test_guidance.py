@@ -1,4 +1,4 @@
-"""Guidance over HTTP: hints, excluded views, advice, the report, and the seed from other captures."""
+"""Guidance over HTTP."""
 
 from typing import Any
 
@@ -14,7 +14,6 @@ JOBS = False
 
 
 def latest(stack: Server, camera: str) -> SessionDocument:
-    """The document of the one session of a camera."""
     [document] = [one for one in store(stack).sessions.all() if one.camera == camera]
     return document
 
@@ -55,7 +54,6 @@ def test_refusals_have_hints(running: Client) -> None:
 
 
 def test_wrong_first_view_is_set_aside_in_the_state(stack: Server, client: Client) -> None:
-    """Of another camera, and right by itself; what is published does not contain it."""
     client.open(camera="Camera whose first view was another's", target_error=0.6)
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
     state = Truth(seed=3).finish(client, 14)
@@ -117,7 +115,6 @@ def test_six_duplicates_in_a_row_end_a_capture_and_undo_cuts_its_course(
 
 
 def test_capture_starts_from_a_reliable_consensus(stack: Server, client: Client) -> None:
-    """One that is not reliable may be one person's of another camera: nobody starts from it."""
     distances = []
     for name, reason in (("Camera that others measured", None), ("Camera that one measured", "too_few")):
         put(store(stack), consensus(fit((1280, 720), 600.0), camera=name, platform=PLATFORM, reason=reason))
@@ -132,7 +129,6 @@ def test_capture_starts_from_a_reliable_consensus(stack: Server, client: Client)
 
 
 def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: Server, client: Client) -> None:
-    """A reliable consensus of a long lens under the name of an ordinary camera harms no capture."""
     name = "Camera with a false consensus"
     put(store(stack), consensus(fit((1280, 720), 4000.0), camera=name, platform=PLATFORM))
     client.open(camera=name, platform=PLATFORM)

@@ -93,7 +93,6 @@ def contents(layer: str) -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A folder of links for each layer."""
     folder = tmp_path_factory.mktemp("layers")
     places = {layer: folder / layer for layer in ("service", "solver")}
     for layer, place in places.items():
@@ -122,7 +121,6 @@ def imported(layers: dict[str, Path]) -> dict[str, tuple[set[str], list[str]]]:
 
 
 def foreign(modules: set[str]) -> set[str]:
-    """The packages that are not Python's own."""
     names = {name.partition(".")[0] for name in modules} - sys.stdlib_module_names - {"app", "__main__"}
     return {name for name in names if not name.startswith("_sysconfigdata")}
 

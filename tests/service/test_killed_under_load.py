@@ -29,8 +29,6 @@ LEAST = 8
 
 @dataclass
 class Acknowledged:
-    """Facts that clients know from responses."""
-
     views: dict[str, int] = field(default_factory=dict)  # by session
     calibrations: dict[str, str] = field(default_factory=dict)  # by session
     moments: dict[tuple[str, str], set[str]] = field(default_factory=dict)  # by rig and its leader's session
@@ -80,7 +78,6 @@ def until_killed(work: Callable[..., None], url: str, *more: Any) -> None:
 
 
 def check(remote: Remote, heard: Acknowledged) -> None:
-    """Compare what a server has with what was acknowledged."""
     client = Client(remote)
     for session, views in heard.views.items():
         state = Client(remote, session).state()

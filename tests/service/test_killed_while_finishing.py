@@ -32,7 +32,6 @@ Views = list[dict[str, Any]]
 
 
 def capture() -> Views:
-    """The views of a capture, up to the one that ends it."""
     views: Views = []
     with Server() as stack:
         client, truth = Client(stack), Truth(seed=3)
@@ -48,7 +47,6 @@ def capture() -> Views:
 
 
 def begin(client: httpx.Client, views: Views, camera: str) -> str:
-    """A session that lacks its last view."""
     session = str(client.post("/v1/auth", headers=bearer(TOKEN)).json()["session_id"])
     assert send(client, session, "/v1/session", {**CAMERA, **BRIEF, "camera": camera}).status_code == 201
     for view in views[:-1]:

@@ -1,4 +1,4 @@
-"""Known cameras by GET: cacheable, the same for all callers, bounded, and gone when they are withdrawn."""
+"""Known cameras by GET."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The licence of what a contributor gives: validated, and stored with session and calibration."""
+"""The licence of what a contributor gives."""
 
 from typing import Any
 
@@ -46,7 +46,6 @@ def test_licence_is_stored_with_session_calibration_and_export(client: Client) -
 
 
 def session_of(client: Client, camera: str) -> str:
-    """Id of the session of a camera, which other tests have not."""
     (found,) = (each for each in store(client.stack).sessions.all() if each.camera == camera)
     return found.session
 

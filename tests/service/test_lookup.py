@@ -1,4 +1,4 @@
-"""Lookups through the gateway: what is read for them, what they answer, and that nothing is written."""
+"""Lookups through the gateway."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -31,7 +31,6 @@ def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answ
 
 @pytest.fixture(scope="module", autouse=True)
 def known(stack: Server, store: Store) -> None:
-    """A webcam of one USB id, at two sizes and two zooms; one that is in doubt; and one of earlier rules."""
     store.calibrations.publish(calibration())
     put(
         store,
@@ -124,7 +123,6 @@ def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
 
 @pytest.mark.usefixtures("in_public")
 def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> None:
-    """Once its calibrations, too, are reliable; captures with an invented id end nothing."""
     rules = Thresholds(min_contributors=3, contributor_period=0)
     label = "Twofold X3"
     known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"

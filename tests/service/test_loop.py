@@ -16,7 +16,6 @@ from tests.helpers.service.storage_calls import storage_calls
 
 @pytest.fixture(scope="module")
 def known(stack: Server) -> list[Any]:
-    """Lookups of the camera before and after its fifth capture, and the state that it ended in."""
     publish(stack, *(calibration(str(CAMERA["camera"]), n, views=5) for n in range(4)))
     before = Client(stack).lookup()
     state = Truth(seed=4).calibrate(Client(stack))

@@ -31,7 +31,6 @@ def total(lines: list[dict[str, Any]], name: str) -> float:
 
 @pytest.fixture
 def in_lambda(client: Client, monkeypatch: pytest.MonkeyPatch) -> Client:
-    """A client of functions that take themselves to be on AWS."""
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
     return client
 
@@ -70,7 +69,6 @@ def test_refusals_by_reason(in_lambda: Client, capsys: pytest.CaptureFixture[str
 
 
 def test_only_refusals_are_counted_by_reason() -> None:
-    """Each pair of a metric and a reason is paid for like a metric of its own."""
     line = json.loads(document("calibdb", 1.7e9, {"Errors": 1}, reason="internal"))
     (described,) = line["_aws"]["CloudWatchMetrics"]
     assert described["Dimensions"] == [["Stack"]]

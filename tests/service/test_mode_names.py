@@ -1,4 +1,4 @@
-"""Names of modes: contributors give them, groups of calibrations have them, and operators remove them."""
+"""Names of modes."""
 
 from collections.abc import Iterator
 

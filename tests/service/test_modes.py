@@ -1,4 +1,4 @@
-"""Cameras whose calibrations fall into groups: views in a lookup pick the mode, and nothing is stored."""
+"""Cameras whose calibrations fall into groups."""
 
 import math
 from collections.abc import Iterator
@@ -65,7 +65,6 @@ def test_views_of_neither_mode_change_nothing(stack: Server) -> None:
 
 
 def test_views_that_fit_both_modes_change_nothing(stack: Server) -> None:
-    """A board held parallel to the picture looks alike at any focal length."""
     plain = look(stack).json["estimate"]
     frontal = [
         {"ids": [*range(40)], "points": [[240 + 100 * x, 160 + 100 * y] for y in range(5) for x in range(8)]}

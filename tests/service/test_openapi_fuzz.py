@@ -53,7 +53,6 @@ EACH = math.ceil(CASES / (2 * len(OPERATIONS) - len(NEVER_WRONG)))  # of the rig
 
 @pytest.fixture(scope="module")
 def known(stack: Server) -> dict[str, list[str]]:
-    """Ids that there are: of a calibration, a consensus, a camera."""
     client = Client(stack)
     documents = [calibration(str(CAMERA["camera"]), n) for n in range(5)]
     publish(stack, *documents)
@@ -72,7 +71,6 @@ def known(stack: Server) -> dict[str, list[str]]:
 
 @pytest.fixture(scope="module")
 def finished_rig(stack: Server) -> str:
-    """Id of a rig that is finished."""
     rig = RigTruth(stack, seed=3).open()
     for n in range(4):
         rig.moment(f"m{n}")
@@ -102,7 +100,6 @@ def running_rig(stack: Server, rigs: list[RigTruth]) -> RigTruth:
 
 
 def requests(operation: APIOperation, known: dict[str, list[str]]) -> st.SearchStrategy[Case]:
-    """Requests as the document describes them, some for what there is."""
     anything = operation.as_strategy()
     names = {parameter.name for parameter in operation.path_parameters}
     if not names:

@@ -1,4 +1,4 @@
-"""The operator's command line: tokens, and an index that follows from the bucket alone."""
+"""The operator's command line."""
 
 import gzip
 import json
@@ -22,7 +22,6 @@ from tests.helpers.service.published import calibration, publish, store
 
 @pytest.fixture(scope="module")
 def operator(tmp_path_factory: pytest.TempPathFactory) -> Operator:
-    """Operator of a stack in which a camera was calibrated twice."""
     operator = Operator(tmp_path_factory.mktemp("ops") / "data")
     with Server(operator.folder) as stack:
         for seed in (0, 3):
@@ -31,7 +30,6 @@ def operator(tmp_path_factory: pytest.TempPathFactory) -> Operator:
 
 
 def statuses(operator: Operator, *tokens: str, **headers: str) -> list[int]:
-    """Statuses of the request for a session with each of the tokens."""
     with Server(operator.folder) as stack:
         client = Client(stack)
         return [client.call("POST", "/v1/auth", token=token, headers=headers).status for token in tokens]

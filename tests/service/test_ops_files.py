@@ -1,4 +1,4 @@
-"""The operator's files: a dump that anyone may have, a stack made of it, and guesses from elsewhere."""
+"""The operator's files."""
 
 import json
 import re
@@ -24,7 +24,6 @@ LICENSED = {"licence": "CC0-1.0"}
 
 @pytest.fixture(scope="module")
 def known(tmp_path_factory: pytest.TempPathFactory) -> Operator:
-    """Operator of a stack in which one camera is reliably known, and a phone with a name on it once."""
     operator = Operator(tmp_path_factory.mktemp("files") / "data")
     with Server(operator.folder) as stack:
         phone, key = calibration("Phone", 7), camera_key(LABEL, PLATFORM)

@@ -57,7 +57,6 @@ def test_keypoints_become_a_calibration_like_any_other(operator: Operator, tmp_p
 
 
 def test_import_sets_a_degenerate_view_aside(operator: Operator, tmp_path: Path) -> None:
-    """One row of corners has no pose; the seven other views make the calibration that they make alone."""
     views = real_views()
     row = View(views[7].object_points[:6], views[7].image_points[:6])
     calibration = fitted_as_imported(views[:7])

@@ -1,4 +1,4 @@
-"""The licence of what a contributor gives: everything that operators give away holds to it."""
+"""The licence of what a contributor gives."""
 
 import json
 from pathlib import Path
@@ -19,7 +19,6 @@ def lines(path: Path) -> list[dict[str, Any]]:
 
 
 def test_what_was_given_without_counts_and_stays_out_of_dumps(operator: Operator, tmp_path: Path) -> None:
-    """Five calibrations, two of them given; a check that was given, and one that was not."""
     with Server(operator.folder) as stack:
         client = Client(stack)
         given = [Truth(seed=3).calibrate(client, **BRIEF, **CONSENT)["calibration_id"]]

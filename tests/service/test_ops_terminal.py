@@ -1,4 +1,4 @@
-"""The operator's command line for programs and people: JSON, dry runs, questions, plots, several files."""
+"""The operator's command line for programs and people."""
 
 import io
 import json
@@ -24,15 +24,12 @@ KEY = calibration("Plotted 1234", 0).camera_key
 
 
 class Terminal(io.StringIO):
-    """A stream that is a terminal."""
-
     def isatty(self) -> bool:
         return True
 
 
 @pytest.fixture(scope="module")
 def operator(tmp_path_factory: pytest.TempPathFactory) -> Operator:
-    """Operator of six calibrations of one camera, of which one disagrees."""
     operator = Operator(tmp_path_factory.mktemp("terminal") / "data")
     documents = [calibration("Plotted 1234", n) for n in range(5)]
     documents.append(calibration("Plotted 1234", 5, fx=1040.0, fy=1038.0))
@@ -43,7 +40,6 @@ def operator(tmp_path_factory: pytest.TempPathFactory) -> Operator:
 
 @pytest.fixture
 def token_id(operator: Operator) -> str:
-    """Id of a new token."""
     return str(operator.document("token", "create", "--plan", "page")["token"].split("_")[1])
 
 
@@ -54,7 +50,6 @@ def contributor(operator: Operator) -> str:
 
 
 def everything(operator: Operator) -> tuple[Any, list[tuple[str, bytes | None]]]:
-    """Items of the table, and objects."""
     with Server(operator.folder) as stack:
         objects = stack.storage.objects
         return items(stack), [(name, objects.get(name)) for name in objects.names("")]

@@ -1,4 +1,4 @@
-"""A server behind a proxy: its host name, its tokens, and whose address counts."""
+"""A server behind a proxy."""
 
 import json
 from collections.abc import Iterator

@@ -38,15 +38,12 @@ def quick_hands() -> Iterator[None]:
 
 
 def wait_for_consensus(stack: Server, label: str, platform: str) -> None:
-    """Wait for the consensus, which is computed after the calibration is answered."""
     asked = {"camera": label, "platform": platform, "img_size": [640, 480], "redirect": False}
     until(lambda: Raw(stack).lookup(**asked).json["reason"] == "too_few")
 
 
 @dataclass
 class Captured:
-    """A live capture by the service."""
-
     result: CaptureResult
     recording: Recording
     camera: VirtualCamera

@@ -28,7 +28,6 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 
 @pytest.fixture(scope="module", autouse=True)
 def known(stack: Server) -> dict[str, Any]:
-    """The lookup of a camera that five contributors calibrated."""
     publish(stack, *(calibration(LABEL, n) for n in range(5)))
     return Raw(stack).lookup(camera=LABEL).json
 

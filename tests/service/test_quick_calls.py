@@ -1,4 +1,4 @@
-"""Calls that a server runs in its event loop: they write nothing, and those that compute move to a thread."""
+"""Calls that a server runs in its event loop."""
 
 import threading
 from collections.abc import Iterator

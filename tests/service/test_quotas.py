@@ -1,4 +1,4 @@
-"""Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
+"""Plans, as a caller meets them."""
 
 import zlib
 from collections.abc import Iterator
@@ -19,8 +19,6 @@ SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 
 @pytest.fixture(scope="module", autouse=True)
 def small_plan() -> Iterator[None]:
-    """A service that knows the small plan, too."""
-
     with standing_clock(plans=PLANS | {"small": SMALL}):
         yield
 

@@ -144,7 +144,6 @@ def request(rng: random.Random, ids: dict[str, str], session_id: str) -> bytes:
 
 
 def exchange(address: tuple[str, int], content: bytes) -> bytes:
-    """Send bytes; return what comes back until the connection ends."""
     with socket.create_connection(address, timeout=60) as connection:
         received = b""
         try:

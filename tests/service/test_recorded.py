@@ -1,4 +1,4 @@
-"""Sessions of views that are all there already: every view that agrees counts, and the client ends them."""
+"""Sessions of views that are all there already."""
 
 from typing import Any
 

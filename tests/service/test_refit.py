@@ -1,4 +1,4 @@
-"""The consensus of a camera: one computation for all who ask, never an older over a newer, nothing lost."""
+"""The consensus of a camera."""
 
 import json
 import threading
@@ -43,7 +43,6 @@ def totals(at_rest: Store, document: schema.CalibrationDocument) -> list[int]:
 
 
 def reading_by(read: Callable[[list[str]], list[schema.CalibrationDocument]]) -> Any:
-    """Override how the service reads calibrations, within a block."""
     return override_service(
         lambda store: replace(store, calibrations=with_methods(store.calibrations, read=read))
     )
@@ -150,7 +149,6 @@ def test_consensus_bears_the_label_of_most_contributors_not_of_the_newest(at_res
 
 
 def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Clients that lost patience ask again while it is being computed."""
     document = calibration("Impatient", 0)
     mode = mode_of(document)
     at_rest.calibrations.publish(document)
@@ -193,7 +191,6 @@ def test_refit_ends_before_its_invocation_does(at_rest: Store, monkeypatch: pyte
 def test_refit_that_runs_out_of_time_stores_whole_models_and_continues(
     at_rest: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Models that are stored are not computed again."""
     document = calibration("Out of time", 0)
     at_rest.calibrations.publish(document)
     pool, pooled, last = consensus.pool, [], 1

@@ -22,7 +22,6 @@ RULES = {"MIN_CALIBRATIONS": "2", "MIN_CONTRIBUTORS": "2", "CONTRIBUTOR_PERIOD":
 
 
 def candidates() -> list[schema.CalibrationDocument]:
-    """Two of each camera, and one that was made under a key of earlier rules."""
     found = []
     for label in LABELS:
         one, two = (calibration(label, n) for n in range(2))
@@ -42,7 +41,6 @@ def vote(of: schema.CalibrationDocument, rng: random.Random) -> schema.VoteDocum
 
 
 def counted(stack: Server) -> list[schema.CalibrationDocument | schema.VoteDocument]:
-    """Calibrations that are not withdrawn, and votes; without names that differ between dumps."""
     known = store(stack).calibrations
     kept = [*(one for one in known.all() if not known.withdrawal(one)), *store(stack).votes.all()]
     nameless = {"contributor": "", "source": ""}

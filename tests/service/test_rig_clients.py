@@ -1,4 +1,4 @@
-"""A rig end to end: captured through the API, and read by the JavaScript SDK and the Python client."""
+"""A rig end to end."""
 
 import cv2
 import numpy as np
@@ -34,7 +34,6 @@ console.log(JSON.stringify({
 
 @pytest.fixture(scope="module")
 def rig(stack: Server) -> RigTruth:
-    """A rig of two cameras that was captured and finished."""
     truth = RigTruth(stack, seed=3).open()
     for moment in range(MOMENTS):
         truth.moment(f"m{moment}")

@@ -23,7 +23,6 @@ MAX_S = 120
 
 @pytest.fixture(scope="module")
 def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of programs of an environment with the wheel and the packages that it names."""
     root = tmp_path_factory.mktemp("server")
     wheel = wheels.build_server(root)
     assert wheel.name == f"calibdb_server-{__version__}-py3-none-any.whl"

@@ -1,4 +1,4 @@
-"""A session's rules over HTTP: repeats, conflicts, undo, the end, and requests at the same time."""
+"""A session's rules over HTTP."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -70,7 +70,6 @@ def test_the_last_view_repeated_publishes_once(stack: Server, client: Client) ->
 
 @pytest.mark.parametrize(("noun", "verb"), [("calibrations", "publish"), ("refit", "later")])
 def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: str) -> None:
-    """Storage fails after the session converged and before anyone can find the calibration."""
     truth, camera = Truth(), f"Camera whose {verb} fails"
     client.open(camera=camera, **BRIEF)
 

@@ -1,4 +1,4 @@
-"""The local stack's site: files that programs look for, the page of what is missing."""
+"""The local stack's site."""
 
 import hashlib
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The weekly dump: in parts, whole or not named, and it names nobody."""
+"""The weekly dump."""
 
 import gzip
 import hashlib
@@ -239,7 +239,6 @@ def test_forgetting_replaces_the_dumps(stack: Server, context: OpsContext) -> No
 
 
 def test_bundle_of_known_cameras_says_its_licence(stack: Server, context: OpsContext) -> None:
-    """Of two known cameras one was given whole; of the other, a calibration came without a licence."""
     store = context.store
     given, mixed = C920, "Microsoft LifeCam HD-3000 (045e:0779)"
     for label in (given, mixed):

@@ -1,4 +1,4 @@
-"""Well-known USB ids of a name: concurrent computations of two sizes leave the right list."""
+"""Well-known USB ids of a name."""
 
 from collections.abc import Iterable
 from dataclasses import replace

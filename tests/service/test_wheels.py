@@ -38,7 +38,6 @@ assert "site-packages" in calibsolver.__file__ and "site-packages" in calibdb_cl
 
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of programs of an environment with the two wheels."""
     root = tmp_path_factory.mktemp("wheels")
     projects = (ROOT / "clients" / "python", ROOT / "layers" / "solver")
     wheels = [make_wheel_in(project / "pyproject.toml", root).file for project in projects]

@@ -31,12 +31,10 @@ class Answer:
 
     @property
     def kind(self) -> str:
-        """The name of a problem's type."""
         return str(self.json["type"]).rpartition("#")[2]
 
     @property
     def problem(self) -> tuple[int, str]:
-        """Status and type of a problem."""
         return self.status, self.kind
 
     @property
@@ -47,7 +45,6 @@ class Answer:
 
 
 def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
-    """Wait for what is computed asynchronously; only what fails is waited for so long."""
     end = time.monotonic() + seconds
     while not (found := holds()):
         assert time.monotonic() < end, "it did not happen in time"
@@ -56,7 +53,6 @@ def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
 
 
 def described(method: str, path: str) -> Operation | None:
-    """Return what the OpenAPI document says of a call."""
     for operation in OPERATIONS:
         pattern = re.sub(r"\\{[^}]*\\}", "[^/]+", re.escape(operation.path))
         if operation.method.upper() == method and re.fullmatch(pattern, path):
@@ -117,13 +113,11 @@ class Client:
         return answer
 
     def authenticate(self, token: str | None = None) -> None:
-        """Get a session id."""
         opened = self.call("POST", "/v1/auth", token=token)
         assert opened.status == 201, opened.body
         self.session_id = opened.json["session_id"]
 
     def open(self, **start: object) -> Answer:
-        """Start a session under an id of its own."""
         self.authenticate()
         return self.call("POST", "/v1/session", {**CAMERA, **start})
 
@@ -146,7 +140,6 @@ class Client:
         return self.call("GET", f"/v1/calibrations/{name}", query=query)
 
     def check(self, views: object, **asked: object) -> Answer:
-        """Check views, in a session of its own."""
         self.authenticate()
         return self.call("POST", "/v1/checks", {**CAMERA, "views": views, **asked})
 
@@ -201,7 +194,6 @@ class Truth:
         return seen.tolist(), points[seen].tolist()
 
     def show(self, client: Client) -> Answer:
-        """Hold the board as a session asks, and send the view."""
         pose = client.pose()
         assert pose.status == 200, pose.body
         answer = client.view(pose.json["index"], *self.see(pose.json))

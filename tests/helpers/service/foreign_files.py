@@ -42,7 +42,6 @@ class ForeignFiles:
         self._random = random.Random(seed)
 
     def request(self) -> dict[str, object]:
-        """Return the body of one conversion."""
         choice = self._random.choice
         raw = choice((self._damaged, self._structure))()[:MAX_CHARACTERS]
         body: dict[str, object] = {"file": base64.b64encode(raw).decode() or "AA==", "encoding": "base64"}

@@ -26,8 +26,6 @@ _ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "trans
 
 @dataclass(frozen=True)
 class Needed:
-    """One action that one call needs."""
-
     action: str
     resource: str
     keys: frozenset[str] = frozenset()  # DynamoDB's leading keys
@@ -38,8 +36,6 @@ class Needed:
 
 @dataclass(frozen=True)
 class Grant:
-    """One statement of a function's role."""
-
     sid: str
     actions: tuple[str, ...]
     resources: tuple[str, ...]
@@ -58,7 +54,6 @@ class Grant:
 
     @property
     def attributes(self) -> frozenset[str]:
-        """The attributes of an item that the statement's writes may touch."""
         return frozenset(self.conditions.get("ForAllValues:StringEquals", {}).get("dynamodb:Attributes", ()))
 
 
@@ -100,7 +95,6 @@ def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ..
 
 
 def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """The statements of a function's own policies, and of the managed policies that it refers to."""
     for policy in properties["Policies"]:
         if "Ref" in policy:
             policy = document["Resources"][policy["Ref"]]["Properties"]["PolicyDocument"]
@@ -143,7 +137,6 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
 
 
 def definition(machine: Mapping[str, Any]) -> Any:
-    """The state machine's definition (Amazon States Language)."""
     return json.loads((ROOT / machine["DefinitionUri"]).read_text())
 
 
@@ -197,8 +190,6 @@ def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
 
 @dataclass
 class Recorder:
-    """Permissions that functions needed, recorded while its block lasts."""
-
     needed: set[tuple[str, Needed]]
 
     @contextmanager
@@ -222,7 +213,6 @@ class Recorder:
 
 
 def running() -> str | None:
-    """The function in whose handler this is called."""
     return _running.get()
 
 

@@ -20,7 +20,7 @@ class Operator:
     printed: str = ""  # by the last command
 
     def __call__(self, *arguments: object, status: int = 0) -> str:
-        """Return what a command prints, or its complaint if a status other than 0 is expected."""
+        """Output of a command, or its complaint if a status other than 0 is expected."""
         with (
             pytest.MonkeyPatch.context() as patch,
             redirect_stdout(StringIO()) as printed,
@@ -32,5 +32,5 @@ class Operator:
         return complaint.getvalue() if status else self.printed
 
     def document(self, *arguments: object) -> Any:
-        """Return what a command prints with `--json`."""
+        """Document that a command prints with `--json`."""
         return json.loads(self(*arguments, "--json"))

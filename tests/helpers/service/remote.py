@@ -10,8 +10,6 @@ from tests.helpers.service.in_process import Response
 
 
 class Remote:
-    """The server at an address."""
-
     def __init__(self, url: str) -> None:
         self.http = httpx.Client(base_url=url, timeout=60)
 
@@ -31,7 +29,6 @@ class Remote:
         query: str = "",
         body: bytes = b"",
     ) -> Response:
-        """Send a request; raises httpx.TransportError if the server is gone."""
         address = f"{path}?{query}" if query else path
         answer = self.http.request(method, address, headers=dict(headers or {}), content=body)
         return Response(answer.status_code, dict(answer.headers), answer.content)

@@ -51,7 +51,6 @@ class RigTruth:
         self.sent = [0] * self.count
 
     def request(self, position: int) -> dict[str, object]:
-        """Body of the request that starts the session of a camera."""
         board = {"squares": list(self.squares), "dictionary": self.dictionary}
         return {**CAMERA, "camera": f"Rig camera {position}", "board": board, **self.start}
 
@@ -75,11 +74,9 @@ class RigTruth:
     def call(
         self, method: str, path: str = "", body: object = None, position: int = 0, **more: Any
     ) -> Answer:
-        """Ask for something of the rig."""
         return self.clients[position].call(method, f"/v1/rigs/{self.rig_id}{path}", body, **more)
 
     def state(self, position: int = 0) -> Any:
-        """State of the rig, as the client of a camera sees it."""
         answer = self.call("GET", position=position)
         assert answer.status == 200, answer.body
         return answer.json
@@ -129,5 +126,4 @@ class RigTruth:
         return answer
 
     def result(self, name: str = "json") -> Answer:
-        """Download the result."""
         return self.call("GET", "/result", query=f"format={name}", token=self.api_token)

@@ -18,8 +18,6 @@ IDLE_S = 60.0
 
 
 class _NothingNew(AliasFilter):
-    """A filter that has seen everything."""
-
     def admit(self, *_: object) -> bool:
         return False
 

@@ -41,8 +41,6 @@ def broken(name: str) -> Fault:
 
 
 def unreached(_: str) -> Fault:
-    """The request is lost, and nothing happens."""
-
     def fault(_: Service, __: str, request: AWSPreparedRequest) -> Answer:
         raise ReadTimeoutError(endpoint_url=request.url)
 
@@ -50,8 +48,6 @@ def unreached(_: str) -> Fault:
 
 
 def unheard(_: str) -> Fault:
-    """It is done, and the answer is lost."""
-
     def fault(service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
         service(operation, request)
         raise ReadTimeoutError(endpoint_url=request.url)

@@ -83,7 +83,6 @@ class LocalProcess:
         return self
 
     def kill(self) -> None:
-        """End it and its workers at once, in the middle of whatever they do."""
         with suppress(ProcessLookupError):  # it has ended
             os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()

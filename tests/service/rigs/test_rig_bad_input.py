@@ -1,4 +1,4 @@
-"""Bad input to rigs: each is a problem that names the field, and changes nothing."""
+"""Bad input to rigs."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -22,7 +22,6 @@ def stack() -> Iterator[Server]:
 
 @pytest.fixture(scope="module")
 def rig(stack: Server) -> RigTruth:
-    """Two cameras that share one moment."""
     rig = RigTruth(stack, seed=1).open()
     rig.moment("m0")
     return rig
@@ -37,19 +36,16 @@ def board_of(rig: RigTruth) -> dict[str, object]:
 
 
 def details(answer: Answer) -> dict[str, str]:
-    """Details of a refusal by field."""
     return {error["field"]: error["detail"] for error in answer.json["errors"]}
 
 
 def code_of(stack: Server, **rig: object) -> str:
-    """Make a rig of two cameras; return its code."""
     client = Client(stack)
     client.open()
     return str(client.call("POST", "/v1/rigs", {"cameras": 2, **rig}).json["join_code"])
 
 
 def test_wrong_expired_and_used_up_codes_are_answered_alike(rig: RigTruth) -> None:
-    """The rig is full, so that its code is used up."""
     for code in ("AAAAAA", "22", "O0O0O0", "äöüßñç", rig.join_code):
         refused = joining(rig.stack, "192.0.2.1", rig={"code": code}, **board_of(rig))
         assert details(refused) == {"rig.code": WRONG}

@@ -1,4 +1,4 @@
-"""A rig from its first camera to its files, over HTTP: right, and as sure as it says."""
+"""A rig from its first camera to its files, over HTTP."""
 
 import io
 import json
@@ -23,7 +23,6 @@ MAX_MOMENTS = 10
 
 
 def capture(rig: RigTruth, most: int = MAX_MOMENTS) -> Any:
-    """Follow the targets until the rig has converged; return its state."""
     state = rig.state()
     for number in range(most):
         if state["progress"] == 1:

@@ -1,4 +1,4 @@
-"""A crash between any two writes of a rig loses nothing: the request, sent again, completes the rest."""
+"""A crash between any two writes of a rig loses nothing."""
 
 import functools
 import threading
@@ -39,7 +39,6 @@ def crash_after(storage: Storage, writes: int) -> Iterator[None]:
 
 
 def completed(stack: Server, send: Callable[[], Answer], check: Callable[[], None] = lambda: None) -> Answer:
-    """Send a request again and again, each time killed one write later, until it is answered."""
     for writes in range(MAX_WRITES):
         with crash_after(stack.storage, writes):
             answer = send()

@@ -1,4 +1,4 @@
-"""Operators' tools know rigs: an index that was lost, a crash that nobody mended, a contributor who goes."""
+"""Operators' tools know rigs."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,6 @@ def context(stack: Server) -> OpsContext:
 
 
 def names(stack: Server, *prefixes: str) -> set[str]:
-    """Names of the objects."""
     return {name for name in stack.storage.objects.names("") if name.startswith(prefixes)}
 
 

@@ -1,4 +1,4 @@
-"""Use of tokens that strangers make for themselves: limits, headers, counts, and how many there may be."""
+"""Use of tokens that strangers make for themselves."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Tokens that strangers make for themselves: origins, proofs, use, rotation, revocation, and their bounds."""
+"""Tokens that strangers make for themselves."""
 
 import logging
 

@@ -1,4 +1,4 @@
-"""A kill at any moment: tokens are as they were acknowledged, and what was cut off can be asked again."""
+"""A kill at any moment."""
 
 import json
 import zlib
@@ -32,8 +32,6 @@ class Process:
 
 @dataclass
 class Owner:
-    """Somebody with a token of their own."""
-
     client: Client
     made: Any = field(init=False)
 
