@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import httpx
 import pytest
@@ -97,18 +98,12 @@ def test_deployment_gives_the_canary_a_token_once(site: tuple[Server, str]) -> N
     kept: dict[str, str] = {}
 
     class Parameters:
-        """The parameter store."""
+        def get_parameters(self, *, Names: list[str], **_: object) -> Any:  # noqa: N803
+            return {"Parameters": [{"Name": n, "Value": kept[n]} for n in Names if n in kept]}
 
-        def get_parameters(self, **asked: object) -> dict[str, list[dict[str, str]]]:
-            """Return the parameters that there are."""
-            wanted = asked["Names"]
-            assert isinstance(wanted, list)
-            return {"Parameters": [{"Name": n, "Value": kept[n]} for n in wanted if n in kept]}
-
-        def put_parameter(self, **given: object) -> None:
-            """Keep a parameter."""
-            assert (given["Type"], given["Overwrite"]) == ("SecureString", True)
-            kept[str(given["Name"])] = str(given["Value"])
+        def put_parameter(self, *, Name: str, Value: str, Type: str, Overwrite: bool) -> None:  # noqa: N803
+            assert (Type, Overwrite) == ("SecureString", True)
+            kept[Name] = Value
 
     made = {
         "TableName": stack.environment["TABLE_NAME"],
@@ -121,5 +116,4 @@ def test_deployment_gives_the_canary_a_token_once(site: tuple[Server, str]) -> N
     ((name, value),) = kept.items()
     assert name == "/calibdb/calibdb/CANARY_TOKEN"
     token = store(stack).tokens.get(value.split("_")[1])
-    assert token is not None
     assert (token.plan, token.origins) == ("free", ("https://calibdb.example", "https://d1.cloudfront.net"))

@@ -184,7 +184,6 @@ def stored_votes(stack: Server) -> int:
     [
         ({"img_size": [640, 480]}, "calibration.img_size"),
         ({"distortion_model": "fisheye"}, "calibration"),
-        ({"camera_matrix": [[0, 0, 640], [0, 950, 360], [0, 0, 1]]}, "calibration.camera_matrix"),
         ({"distortion_coefficients": [0] * 15}, "calibration.distortion_coefficients"),
     ],
 )
@@ -192,18 +191,6 @@ def test_unusable_calibration_is_refused_by_field(stack: Server, changed: dict[s
     known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
     answer = check(stack, "Camera of a file", calibration={**known, **changed})
     assert answer.fields == [field]
-
-
-def test_given_nonsense_gets_an_answer(stack: Server) -> None:
-    known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
-    for matrix, distortion in [
-        ([[1e-300, 0, 0], [0, 1e300, 0], [0, 0, 1]], [0.0] * 5),
-        ([[950, 0, 640], [0, 950, 360], [0, 0, 1]], [1e300, -1e300, 0, 0, 1e300]),
-        ([[950, 0, 640], [0, 950, 360], [0, 0, 1]], [-50.0, 0, 0, 0, 0]),
-    ]:
-        given = {**known, "camera_matrix": matrix, "distortion_coefficients": distortion}
-        answer = check(stack, "Camera of a file", calibration=given)
-        assert (answer.status, answer.json["fits"]) == (200, "does_not_fit")
 
 
 def test_check_resolves_the_camera_as_a_lookup(stack: Server) -> None:

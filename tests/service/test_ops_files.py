@@ -10,7 +10,7 @@ import pytest
 from pyarrow import parquet
 
 from calibdb.camera_key import camera_key
-from calibdb.schema import DISTORTION_MODELS, VoteDocument
+from calibdb.schema import DISTORTION_MODELS
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
@@ -83,23 +83,6 @@ def test_a_dump_names_nobody(known: Operator, dumped: Path, tmp_path: Path) -> N
     assert named.keys() == again.keys()
     assert set(named.values()).isdisjoint(again.values())
     assert len(set(named.values())) == len(contributors)  # and yet they can be told apart
-
-
-def test_dumped_labels_follow_the_current_rules(operator: Operator, tmp_path: Path) -> None:
-    label, platform = "Anna's webcam Z77 +49 170 1234567", "Linux; Anna Schmidt"
-    named = {"camera": label, "platform": platform, **LICENSED}
-    stored = calibration("webcam Z77", 0).model_copy(update=named)
-    vote = VoteDocument(**stored.model_dump(exclude={"layout", "fits", "time"}), noise=0.1, time=0)
-    with Server(operator.folder) as stack:
-        store = published.store(stack)
-        store.calibrations.publish(stored)
-        store.votes.cast(vote)
-    dump = tmp_path / "dump"
-    operator("dump", dump)
-    dumped = [one for name in ("calibrations", "votes") for one in lines(dump / f"{name}.jsonl")]
-    assert [(one["camera"], one["platform"]) for one in dumped] == [("webcam Z77", "Linux")] * 2
-    everything = content(dump)
-    assert not [personal for personal in (b"Anna", b"Schmidt", b"170 1234567") if personal in everything]
 
 
 def test_a_dump_is_a_table_of_everything(dumped: Path) -> None:

@@ -50,7 +50,6 @@ def test_foreign_pages_create_no_tokens(server: Server) -> None:
         ("calibdb.example", 200),
         ("CalibDB.example", 200),
         ("127.0.0.1:8000", 200),
-        ("elsewhere.example", 421),
         ("calibdb.example.evil", 421),
         ("calibdb.example:8000", 421),
     ],
@@ -78,22 +77,6 @@ def test_address_comes_from_trusted_proxies_only(
     headers = {**HOST, "content-type": "application/json", "x-forwarded-for": forwarded}
     request(server, "POST", "/v1/tokens", headers, body=b'{"origins": ["http://localhost"]}', client=peer)
     assert addresses == [caller]
-
-
-def test_one_address_creates_five_tokens_whatever_it_forwards(server: Server) -> None:
-    body = b'{"origins": ["http://localhost"]}'
-    headers = {**HOST, "content-type": "application/json"}
-    statuses = [
-        request(
-            server,
-            "POST",
-            "/v1/tokens",
-            headers | {"x-forwarded-for": f"203.0.113.{n}, 198.51.100.9"},
-            body=body,
-        ).status
-        for n in range(6)
-    ]
-    assert statuses == [201] * 5 + [429]
 
 
 @pytest.mark.parametrize(

@@ -93,19 +93,6 @@ def test_live_capture_can_be_ended_before_its_target_error(client: Client) -> No
     assert stored.json["camera_matrix"] == ended["calibration"]["camera_matrix"]
 
 
-def test_recorded_session_refuses_what_no_camera_saw(client: Client) -> None:
-    client.open(camera="Recorded badly", capture="recorded")
-    truth = Truth()
-    ids, points = truth.see({"rvec": [0.3, 0.4, 0], "tvec": [-4, -3, 9]})
-    row = [n for n, i in enumerate(ids) if i // 8 == 2]
-    line = client.view(0, [ids[n] for n in row], [points[n] for n in row]).json
-    assert (line["accepted"], line["reason"]) == (False, "degenerate")
-    few = client.finish()
-    assert few.problem == (409, "too-few-views")
-    assert client.view(0, ids, points).json["accepted"]
-    assert client.finish().status == 409
-
-
 def test_recorded_and_live_are_different_sessions(client: Client) -> None:
     start = {"camera": "One", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
     client.open(**start, capture="recorded")

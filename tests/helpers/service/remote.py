@@ -1,7 +1,6 @@
 """A server in another process, as `Client` speaks to it."""
 
 from collections.abc import Mapping
-from types import TracebackType
 from typing import Self
 
 import httpx
@@ -16,9 +15,7 @@ class Remote:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.http.close()
 
     def request(
@@ -29,6 +26,7 @@ class Remote:
         query: str = "",
         body: bytes = b"",
     ) -> Response:
+        """Response of the server; raises httpx.TransportError if it is gone."""
         address = f"{path}?{query}" if query else path
         answer = self.http.request(method, address, headers=dict(headers or {}), content=body)
         return Response(answer.status_code, dict(answer.headers), answer.content)

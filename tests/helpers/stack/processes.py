@@ -10,7 +10,6 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import httpx
@@ -68,14 +67,13 @@ class LocalProcess:
                 text=True,
                 start_new_session=True,
             )
-        assert self.process.stdout
         watchdog = threading.Timer(180, self.process.kill)
         watchdog.start()
         line = self.process.stdout.readline()
         watchdog.cancel()
         found = re.search(r"http://127\.0\.0\.1:\d+", line)
         if not found:
-            self.__exit__(None, None, None)
+            self.__exit__()
             raise RuntimeError(f"the server did not start: {self.log.read_text()[-2000:]}")
         self.url = found[0]
         assert httpx.get(f"{self.url}/healthz", timeout=60).status_code == 200
@@ -106,10 +104,7 @@ class LocalProcess:
             busy = [each for each in threads.split("\n\n") if " in _worker\n" not in each]
             raise AssertionError("\n\n".join(("it does not end:", said[-500:], *busy))) from None
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self.process.poll() is None:
             self.kill()
-        assert self.process.stdout
         self.process.stdout.close()
