@@ -193,6 +193,12 @@ def test_unusable_calibration_is_refused_by_field(stack: Server, changed: dict[s
     assert answer.fields == [field]
 
 
+def test_given_nonsense_gets_an_answer(stack: Server) -> None:
+    known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
+    given = {**known, "distortion_coefficients": [1e300, -1e300, 0, 0, 1e300]}
+    assert check(stack, "Camera of a file", calibration=given).json["fits"] == "does_not_fit"
+
+
 def test_check_resolves_the_camera_as_a_lookup(stack: Server) -> None:
     """Calibrated where the browser tells the USB id, checked where it does not."""
     calibrated(stack, "Acme LensCam X200 (1bcf:2c99)", 0)

@@ -147,6 +147,14 @@ def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> No
     assert ask(stack, label).status == 200
 
 
+def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
+    put(store, consensus(camera="Integrated Camera"))
+    assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
+    with variables_set(PUBLIC):
+        answer = ask(stack, "Integrated Camera", redirect=False)
+        assert (answer.status, "USB id" in answer.json["detail"]) == (404, True)
+
+
 def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) -> None:
     label = "Cropped X5 (1111:0005)"
     store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))

@@ -51,7 +51,8 @@ def fill(
     made = []
     for n in range(count):
         label = (C920, "Microsoft LifeCam HD-3000 (045e:0779)", "Anna's Webcam Z77")[n % 3]
-        document = calibration(label, number=n).model_copy(update=GIVEN if given(n) else {})
+        document = calibration(label, f"{LINUX}; Anna", number=n)
+        document = document.model_copy(update=GIVEN if given(n) else {})
         store.calibrations.publish(document)
         if n % 7 == 6:
             store.calibrations.withdraw(document, "wrong", NOW)
