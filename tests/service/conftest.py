@@ -13,6 +13,7 @@ from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.service.operator import Operator
+from tests.helpers.service.rigs import RigTruth
 from tests.helpers.solver.computed_once import computed_once
 
 
@@ -81,3 +82,14 @@ def running(client: Client) -> Client:
 @pytest.fixture
 def operator(tmp_path: Path) -> Operator:
     return Operator(tmp_path / "data")
+
+
+@pytest.fixture(scope="module")
+def finished_rig(stack: Server) -> RigTruth:
+    """A rig of two cameras that share four moments."""
+    rig = RigTruth(stack, seed=3).open()
+    for moment in range(4):
+        rig.moment(f"m{moment}")
+    ended = rig.call("POST", "/finish")
+    assert ended.status == 200, ended.body
+    return rig

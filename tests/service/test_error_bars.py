@@ -4,7 +4,6 @@ Simulated: a hand moves the board while the rows are read out, so that errors ar
 noise.
 """
 
-import json
 import re
 from dataclasses import replace
 from typing import Any
@@ -12,13 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from calibdb.compute.view_checks import examine
-from calibdb.schema import CheckRequest
 from calibsolver import Board, View, fit
 from calibsolver import Calibration as Fitted
 from calibsolver.arrays import symmetric_inverse
 from calibsolver.quality.rivals import with_rivals
-from tests.helpers.service.client import CAMERA, Client
+from tests.helpers.service.client import Client
 from tests.helpers.solver import hands, populations, synthetic
 
 JOBS = False
@@ -69,11 +66,3 @@ def test_state_report_and_exports_have_the_error_bars(client: Client, fitted: Fi
     assert float(error[1]) == pytest.approx(expected.rms, rel=0.01)
     factor = re.search(r"# mrcal .* multiply its uncertainty by ([\d.]+)", written)
     assert float(factor[1]) == pytest.approx(np.sqrt(fitted.inflation), rel=0.05)
-
-
-def test_check_takes_its_own_camera_for_no_more_certain_than_it_is() -> None:
-    asked = {**CAMERA, "img_size": list(LENS.img_size), "views": [sent(view) for view in VIEWS[:5]]}
-    own = examine(CheckRequest.model_validate_json(json.dumps(asked))).own
-    few = fit(VIEWS[:5], LENS.img_size)
-    assert own.uncertainty.rms == pytest.approx(few.uncertainty().rms, rel=1e-3)
-    assert own.uncertainty.rms > 2 * white_rms(few)

@@ -19,6 +19,11 @@ WINDOWS = "Windows NT 10.0; Win64; x64"
 PUBLIC = {"MIN_CONTRIBUTORS": "3"}
 
 
+def refresh(store: Store, label: str) -> None:
+    rules = Thresholds(min_contributors=3, contributor_period=0)
+    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), rules)
+
+
 @pytest.fixture
 def in_public() -> Iterator[None]:
     with variables_set(PUBLIC):
@@ -123,18 +128,17 @@ def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
 
 @pytest.mark.usefixtures("in_public")
 def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> None:
-    rules = Thresholds(min_contributors=3, contributor_period=0)
     label = "Twofold X3"
     known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"
     store.calibrations.publish(calibration(known))
     put(store, consensus(camera=known))
-    well_known_ids.refresh_well_known(store, camera_key(known, LINUX), rules)
+    refresh(store, known)
     assert ask(stack, label).status == 200
     for number, status in ((1, 200), (2, 200), (3, 307)):
         store.calibrations.publish(calibration(other, number=number))
         if number == 3:
             put(store, consensus(camera=other))
-        well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
+        refresh(store, other)
         with storage_calls(stack) as asked:
             answer = ask(stack, label)
         assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
@@ -143,7 +147,7 @@ def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> No
     # and back, when too few agree any more
     assert store.consensuses.drop(consensus(camera=other))
     put(store, consensus(camera=other, reason="too_few", calibrations=2))
-    well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
+    refresh(store, other)
     assert ask(stack, label).status == 200
 
 
