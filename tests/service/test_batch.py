@@ -58,10 +58,8 @@ def test_batch_gives_the_results_and_the_camera_of_single_views(
     errors = [result["error"] for result in answer["results"] if result["error"] is not None]
     assert errors[-1] == answer["uncertainty"]["rms"] < errors[0]
     assert len(answer["views"]) == 8
-    ended = client.finish().json
-    assert np.allclose(
-        ended["calibration"]["camera_matrix"], one_by_one["calibration"]["camera_matrix"], atol=0.01
-    )
+    matrices = [state["calibration"]["camera_matrix"] for state in (client.finish().json, one_by_one)]
+    assert np.allclose(*matrices, atol=0.01)
 
 
 def test_repeated_batch_adds_nothing_and_returns_the_same_indices(
@@ -72,14 +70,10 @@ def test_repeated_batch_adds_nothing_and_returns_the_same_indices(
     reordered = [{"ids": view["ids"][::-1], "points": view["points"][::-1]} for view in corners[:5]]
     assert send(recorded, reordered).json["results"] == first.json["results"]
     more = send(recorded, corners[3:], index=5).json
-    assert [result["index"] for result in more["results"]] == [5, 6, 7, 8, 9], (
-        "a new batch, not a repeated one"
-    )
+    assert [result["index"] for result in more["results"]] == [5, 6, 7, 8, 9], "it is not a repeated one"
     assert send(recorded, corners[:1], index=11).problem == (409, "index-not-open")
     assert recorded.call("DELETE", "/v1/session/views/9").status == 200
-    assert send(recorded, corners[3:], index=5).problem == (409, "index-not-open"), (
-        "an undone view stays undone"
-    )
+    assert send(recorded, corners[3:], index=5).problem == (409, "index-not-open"), "it stays undone"
 
 
 def test_finished_session_repeats_results_and_takes_no_more(recorded: Client, corners: list[Corners]) -> None:

@@ -32,9 +32,8 @@ def without_time(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_view_that_takes_too_long_is_a_conflict_and_changes_nothing(
     running: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pose = running.pose().json
+    seen = Truth().see(running.pose().json)
     before = running.state()
-    seen = Truth().see(pose)
     with monkeypatch.context() as patch:
         without_time(patch)
         answer = running.view(0, *seen)
@@ -107,13 +106,12 @@ def test_rig_that_took_too_long_is_charged_as_a_view_and_not_computed_by_every_r
         quotas = Service.of_process().store.quotas
         rig = RigTruth(stack, seed=3).open()
         rig.moment("m0")
-        for bound, status, times in ((0.0, 409, 1), (5.2, 409, 0)):
+        for bound, times in ((0.0, 1), (5.2, 0)):
             monkeypatch.setattr(calls, "MAX_RIG_COMPUTE_S", bound)
             computed.clear()
             before = quotas.used("dev", int(clock()))["views"]
-            assert [rig.call("GET", position=n % 2).status for n in range(6)] == [status] * 6
-            pose = rig.clients[1].call("GET", "/v1/session/pose", headers={"accept": "application/json"})
-            assert pose.status == status
+            assert [rig.call("GET", position=n % 2).status for n in range(6)] == [409] * 6
+            assert rig.clients[1].pose().status == 409
             assert len(computed) == times
             assert quotas.used("dev", int(clock()))["views"] - before == times
 
@@ -127,25 +125,18 @@ def made(remaining_ms: int, used_s: float, factor: float = 1.0) -> Call:
 
 
 @pytest.mark.parametrize(
-    ("remaining_ms", "used_s", "left"),
-    [(10_000, 0.0, 2.8), (10_000, 2.0, 0.8), (3_000, 0.0, 1.5), (0, 0, -1.5)],
+    ("remaining_ms", "used_s", "factor", "left"),
+    [(10_000, 2.0, 1.0, 0.8), (3_000, 0.0, 1.0, 1.5), (29_000, 4.0, 2.0, 0.8), (3_500, 0.0, 2.0, 1.0)],
 )
 def test_time_left_is_the_lesser_of_processor_and_invocation(
-    remaining_ms: int, used_s: float, left: float
+    remaining_ms: int, used_s: float, factor: float, left: float
 ) -> None:
-    assert made(remaining_ms, used_s).seconds_left() == pytest.approx(left)
+    """On a slower processor in the same unit."""
+    assert made(remaining_ms, used_s, factor).seconds_left() == pytest.approx(left)
 
 
-@pytest.mark.parametrize(
-    ("remaining_ms", "used_s", "left"), [(29_000, 0.0, 2.8), (29_000, 4.0, 0.8), (3_500, 0.0, 1.0)]
-)
-def test_slower_processor_has_more_time_in_the_same_unit(
-    remaining_ms: int, used_s: float, left: float
-) -> None:
-    call = made(remaining_ms, used_s, factor=2.0)
-    assert call.seconds_left() == pytest.approx(left)
-    rig = made(29_000, used_s, factor=2.0).with_time_for_a_rig()
-    assert rig.seconds_left() == pytest.approx(5.2 - used_s / 2)
+def test_rig_has_more_time() -> None:
+    assert made(29_000, 4.0, 2.0).with_time_for_a_rig().seconds_left() == pytest.approx(5.2 - 4.0 / 2)
 
 
 def test_request_that_ran_out_of_time_is_counted(
