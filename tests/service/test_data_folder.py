@@ -68,19 +68,19 @@ def folder(undamaged: Path, tmp_path: Path) -> Path:
 def missing(opened: Folder) -> int:
     """Number of rows that are not there; those that are, are as they were written."""
     table, objects = SqliteTable(opened.database), SqliteObjects(opened.database, KEYPOINTS)
-    found_items = [table.get(str(item(n)["pk"]), str(item(n)["sk"])) for n in range(ROWS)]
-    found_objects = [objects.get(f"calibrations/{n:03d}.json") for n in range(ROWS)]
-    assert all(found in (None, item(n)) for n, found in enumerate(found_items))
-    assert all(found in (None, content(n)) for n, found in enumerate(found_objects))
-    return (found_items + found_objects).count(None)
+    rows: list[tuple[object, object]] = []
+    for n in range(ROWS):
+        rows.append((table.get(str(item(n)["pk"]), str(item(n)["sk"])), item(n)))
+        rows.append((objects.get(f"calibrations/{n:03d}.json"), content(n)))
+    assert all(found in (None, written) for found, written in rows)
+    return sum(found is None for found, _ in rows)
 
 
 def test_killed_folder_is_whole(folder: Path) -> None:
     assert (folder / LOG).stat().st_size > 100_000
     assert lost_commits(folder / LOG) == 0
-    opened = Folder(folder)
-    assert (opened.damage, missing(opened)) == ([], 0)
-    opened.close()
+    with closing(Folder(folder)) as opened:
+        assert (opened.damage, missing(opened)) == ([], 0)
     for name in (FILE_NAME, "secrets.json", "lock"):
         assert stat.S_IMODE((folder / name).stat().st_mode) == 0o600
 
@@ -88,7 +88,7 @@ def test_killed_folder_is_whole(folder: Path) -> None:
 def test_damage_anywhere_is_reported_and_the_rest_is_served(undamaged: Path, tmp_path: Path) -> None:
     """Many times some random bytes in the database, its log or a file."""
     rng = random.Random(1)
-    said = refused = whole = 0
+    said = refused = 0
     for number in range(DAMAGES):
         folder = Path(shutil.copytree(undamaged, tmp_path / str(number)))
         (large,) = (folder / FOLDER_NAME).iterdir()
@@ -103,20 +103,17 @@ def test_damage_anywhere_is_reported_and_the_rest_is_served(undamaged: Path, tmp
             opened = Folder(folder)
         except FolderError as error:
             refused += 1
-            assert "restore" in str(error)  # noqa: PT017
-            assert "\n" not in str(error)  # noqa: PT017
-            continue
-        lost = missing(opened)
-        opened.close()
-        assert lost == 0 or opened.damage, (number, path.name, at, lost)
-        assert all("restore" in sentence and "\n" not in sentence for sentence in opened.damage)
-        said += bool(opened.damage)
-        whole += not opened.damage
-        again = Folder(folder)
-        assert (again.damage, missing(again)) == ([], lost), "said once"
-        again.close()
-        shutil.rmtree(folder)
-    assert said + refused + whole == DAMAGES
+            sentences = [str(error)]
+        else:
+            sentences = opened.damage
+            said += bool(sentences)
+            lost = missing(opened)
+            opened.close()
+            assert lost == 0 or sentences, (number, path.name, at, lost)
+            with closing(Folder(folder)) as again:
+                assert (again.damage, missing(again)) == ([], lost), "said once"
+            shutil.rmtree(folder)
+        assert all("restore" in sentence and "\n" not in sentence for sentence in sentences)
     assert said >= 0.3 * DAMAGES
     assert refused >= 1
 
@@ -127,12 +124,11 @@ def test_lost_commits_are_counted(folder: Path) -> None:
     (folder / LOG).write_bytes(log)
     lost = lost_commits(folder / LOG)
     assert lost == ROWS - 1 - ROWS // 2 + ROWS - 1 - ROWS // 2
-    opened = Folder(folder)
-    (sentence,) = opened.damage
+    with closing(Folder(folder)) as opened:
+        (sentence,) = opened.damage
     assert f"{lost} of the last writes are lost" in sentence
     (kept,) = folder.glob("damaged-*")
     assert (kept / LOG).read_bytes() == bytes(log)
-    opened.close()
 
 
 @pytest.mark.parametrize("name", [FILE_NAME, "secrets.json"])
@@ -159,14 +155,12 @@ def test_second_server_is_refused_and_an_operator_is_a_guest(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(folders, "LOCK_TIMEOUT_S", 0.1)
-    first = Folder(folder)
-    with pytest.raises(FolderError, match="in use by another server"):
-        Folder(folder)
-    guest = Folder(folder, as_guest=True)
-    SqliteTable(guest.database).put({"pk": "P", "sk": "S"})
-    assert SqliteTable(first.database).get("P", "S") is not None
-    guest.close()
-    first.close()
+    with closing(Folder(folder)) as first:
+        with pytest.raises(FolderError, match="in use by another server"):
+            Folder(folder)
+        with closing(Folder(folder, as_guest=True)) as guest:
+            SqliteTable(guest.database).put({"pk": "P", "sk": "S"})
+        assert SqliteTable(first.database).get("P", "S") is not None
 
 
 def test_journal_of_earlier_versions_is_refused_with_the_way_on(tmp_path: Path) -> None:
