@@ -12,7 +12,7 @@ from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Client
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.solver.computed_once import computed_once
 

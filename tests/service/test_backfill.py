@@ -12,7 +12,7 @@ from infra.deploy.template import parse
 from infra.server import jobs
 from infra.server.server import Server
 from tests.helpers.service import iam
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration, publish, store
 
 ROOT = Path(__file__).parents[2]

@@ -85,8 +85,7 @@ def fill(stack: Server, known: list[Label]) -> None:
         if number % 4 == 2:
             put(store, consensus(FISHEYE, **whose))
         if number % 6 == 0:
-            few = {"reason": "too_few", "calibrations": 3}
-            put(store, consensus(fit((640, 480), f / 1.5, None, lens), **whose, **few))
+            put(store, consensus(fit((640, 480), f / 1.5, None, lens), **whose, reason="too_few"))
         well_known_ids.refresh_well_known(store, key, Thresholds(min_contributors=1, contributor_period=0))
 
 

@@ -26,7 +26,7 @@ from infra.server.secrets import SecretsError
 from infra.server.server import Server
 from infra.server.write_ahead_log import lost_commits
 from tests.helpers.service.client import Client
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration, publish
 
 ROWS = 120

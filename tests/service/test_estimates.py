@@ -1,6 +1,5 @@
 """Estimates in lookups that miss."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ import pytest
 from calibdb_client.cli import main
 from infra.server.server import Server
 from tests.helpers.service.client import Answer, Client
+from tests.helpers.service.commands import run
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
@@ -155,13 +155,11 @@ def test_a_hit_has_the_estimate_without_it_only_if_asked(stack: Server) -> None:
 
 
 @pytest.mark.usefixtures("served")
-def test_command_says_what_is_likely(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_says_what_is_likely(tmp_path: Path) -> None:
     photo = tmp_path / "IMG_1234.jpg"
     photo.write_bytes(jpeg(block(model="Phone X9")))
-    assert main(["lookup", str(photo), "--no-cache"]) == 1
-    assert "not calibrated" in capsys.readouterr().out
-    assert main(["lookup", str(photo), "--no-cache", "--json"]) == 1
-    likely = json.loads(capsys.readouterr().out)["estimate"]
+    assert "not calibrated" in run(main, "lookup", photo, "--no-cache", status=1).out
+    likely = run(main, "lookup", photo, "--no-cache", "--json", status=1).document["estimate"]
     assert likely["img_size"] == list(IMG_SIZE)
     assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
 

@@ -7,7 +7,7 @@ from calibdb.store.keys import vote_object
 from infra.ops import withdrawal
 from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, Client, Truth, until
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store, views
 from tests.helpers.service.strangers import context, standing_clock
 

@@ -89,14 +89,6 @@ class TestLookup:
         query = "camera=Test+camera&userAgent=X11;%20Linux%20x86_64&imsize=1280x720&api_key=cdb_dev_local"
         assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
 
-    def test_without_redirect_the_body_has_the_url(self, client: Client) -> None:
-        unknown = {**CAMERA, "camera": "Another camera"}
-        for body, query in ((unknown, "redirect=false"), ({**unknown, "redirect": False}, "")):
-            answer = client.call("POST", "/v1/lookup", body, query=query)
-            assert answer.status == 404
-            assert "/calibrate/?camera=Another+camera&" in answer.json["guidance_url"]
-            assert answer.json["reason"] == "unknown_camera"
-
     def test_missing_model_is_computed_from_keypoints(self, stack: Server, client: Client) -> None:
         before = client.lookup(distortion_model="fisheye").json
         key = before["id"].partition("~")[0]

@@ -15,8 +15,8 @@ from calibdb.store.aliases import Alias
 from infra.server.server import Server
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, Client, Truth
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.index_items import Key, items, remove
-from tests.helpers.service.operator import Operator
 from tests.helpers.service.published import calibration, publish, store
 
 

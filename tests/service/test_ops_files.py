@@ -14,7 +14,7 @@ from calibdb.schema import DISTORTION_MODELS
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration
 
 LABEL = "Anna's iPhone Camera"

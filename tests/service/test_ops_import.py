@@ -9,7 +9,7 @@ from calibsolver import Calibration, View, fit, formats
 from infra.server.server import Server
 from tests.helpers.data import corner_views, on_board
 from tests.helpers.service.client import Client
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.solver.export_sources import subject
 
 WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]

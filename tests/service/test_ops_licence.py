@@ -7,7 +7,7 @@ from typing import Any
 from calibsolver import formats
 from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth, until
-from tests.helpers.service.operator import Operator
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration, publish, store, views
 from tests.helpers.solver.export_sources import subject
 

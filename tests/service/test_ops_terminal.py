@@ -14,8 +14,8 @@ from calibsolver import formats
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.data import ROOT
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.index_items import items
-from tests.helpers.service.operator import Operator
 from tests.helpers.service.published import calibration, publish
 from tests.helpers.solver.export_sources import subject
 

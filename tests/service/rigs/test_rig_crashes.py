@@ -1,41 +1,19 @@
 """A crash between any two writes of a rig loses nothing."""
 
 import functools
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 from unittest import mock
 
 import pytest
 
 from calibdb.errors import UnavailableError
-from calibdb.store.ports import Storage
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client
-from tests.helpers.service.intercepted import WRITES, intercepted_service
+from tests.helpers.service.intercepted import crash_after
 from tests.helpers.service.rigs import RigTruth
 
 MAX_WRITES = 60
-
-
-@contextmanager
-def crash_after(storage: Storage, writes: int) -> Iterator[None]:
-    """Lose every write after so many that wrote something: those of a process that was killed there."""
-    done, lock = [0], threading.Lock()
-
-    def around(operation: str, call: Callable[[], Any]) -> Any:
-        if operation not in WRITES:
-            return call()
-        with lock:
-            if done[0] >= writes:
-                raise UnavailableError("Storage did not answer.")
-            result = call()
-            done[0] += result is not False
-        return result
-
-    with intercepted_service(storage, around):
-        yield
 
 
 def completed(stack: Server, send: Callable[[], Answer], check: Callable[[], None] = lambda: None) -> Answer:

@@ -12,8 +12,8 @@ from infra.ops.dump import dump
 from infra.server.server import Server
 from tests.helpers.service import strangers
 from tests.helpers.service.client import EDGE
+from tests.helpers.service.intercepted import crash_after
 from tests.helpers.service.rigs import RigTruth
-from tests.service.rigs.test_rig_crashes import crash_after
 
 ENVIRONMENT = {"EDGE_SECRETS": EDGE}
 JOBS = False
