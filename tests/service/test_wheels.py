@@ -7,8 +7,6 @@ import json
 import os
 import re
 import subprocess
-import sysconfig
-import venv
 from pathlib import Path
 
 import cv2
@@ -18,7 +16,7 @@ from flit_core.wheel import make_wheel_in
 
 from calibdb_client import Board
 from tests.helpers import board_pictures
-from tests.helpers.stack.processes import install_wheels, without_checkout
+from tests.helpers.stack.processes import environment_of, without_checkout
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
@@ -41,12 +39,7 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("wheels")
     projects = (ROOT / "clients" / "python", ROOT / "layers" / "solver")
     wheels = [make_wheel_in(project / "pyproject.toml", root).file for project in projects]
-    venv.create(root / "venv", with_pip=False)
-    scripts = root / "venv" / "bin"
-    install_wheels(scripts / "python", *wheels)
-    (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
-    (packages / "third-party.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    return scripts
+    return environment_of(root, *wheels)
 
 
 def run(*command: str | Path, folder: Path) -> str:

@@ -5,8 +5,10 @@ import re
 import signal
 import subprocess
 import sys
+import sysconfig
 import threading
 import time
+import venv
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -27,41 +29,57 @@ def without_checkout(environment: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def install_wheels(python: Path, *wheels: Path) -> None:
-    """Install wheels, without what they depend on, into the environment of a Python."""
+def environment_of(root: Path, *wheels: Path, startup: str = "") -> Path:
+    """Install wheels into a new environment with the third-party packages of this one.
+
+    Returns the folder of its programs. `startup`: a line that its Python executes first.
+    """
+    venv.create(root / "venv", with_pip=False)
+    scripts = root / "venv" / "bin"
+    python = scripts / "python"
     uv = Path(sys.executable).with_name("uv")
     if uv.exists():  # takes an eighth of pip's time
         install: list[str | Path] = [uv, "pip", "install", "--python", python]
     else:
         install = [sys.executable, "-m", "pip", "--python", python, "install", "--no-compile"]
     subprocess.run([*install, "--quiet", "--no-index", "--no-deps", *wheels], check=True)
+    (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
+    (packages / "third-party.pth").write_text(f"{sysconfig.get_path('purelib')}\n{startup}\n")
+    return scripts
 
 
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 
-    `start_seconds` is how long it took to answer its health check.
+    `program`: an installed server, which gets nothing of this checkout. `start_seconds`: time until it answered
+    its health check.
     """
 
-    def __init__(self, data_dir: Path, environment: Mapping[str, str] | None = None):
+    def __init__(
+        self, data_dir: Path, environment: Mapping[str, str] | None = None, program: Path | None = None
+    ) -> None:
         self._data_dir = data_dir
-        self._environment = environment or {}
+        self._environment = {"PORT": "0", "DATA_DIR": str(data_dir), **(environment or {})}
+        self._program = program
 
     def __enter__(self) -> Self:
         started = time.monotonic()
         self.log = self._data_dir.parent / f"{self._data_dir.name}.log"
+        if self._program:
+            command: list[str | Path] = [self._program]
+            variables = without_checkout(os.environ)
+        else:
+            command = [sys.executable, "-m", "infra.server"]
+            # SIGABRT tells what every thread does
+            variables = os.environ | {
+                "PYTHONPATH": "layers/service:layers/solver:.",
+                "PYTHONFAULTHANDLER": "1",
+            }
         with self.log.open("a") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "infra.server"],
-                cwd=ROOT,
-                env=os.environ
-                | {
-                    "PYTHONPATH": os.pathsep.join(("layers/service", "layers/solver", ".")),
-                    "PYTHONFAULTHANDLER": "1",  # SIGABRT tells what every thread does
-                    "PORT": "0",
-                    "DATA_DIR": str(self._data_dir),
-                }
-                | dict(self._environment),
+                command,
+                cwd=self._data_dir.parent if self._program else ROOT,
+                env=variables | self._environment,
                 stdout=subprocess.PIPE,
                 stderr=log,
                 text=True,
