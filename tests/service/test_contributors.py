@@ -134,22 +134,6 @@ def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
     assert look_up(stack, camera).json["reason"] == "disagree"
 
 
-def test_session_that_states_more_than_3_px_does_not_count(stack: Server) -> None:
-    camera = "A careless one"
-    client = Client(stack, api_token=TOKENS[0], address="198.51.100.9")
-    truth = Truth(seed=1, noise=0.5)
-    client.open(camera=camera, platform=PLATFORM, target_error=0.001)
-    for index in range(4):  # facing the camera, so that focal length and distance trade places
-        pose = {"rvec": [0.0, 0.0, 0.4 * index], "tvec": [-3.0 - 2 * (index % 2), -2.0 - index, 22.0]}
-        assert client.view(index, *truth.see(pose)).json["accepted"]
-    state = client.finish().json
-    assert (state["status"], state["end"]) == ("converged", "asked")
-    assert state["uncertainty"]["inside"] > 3
-    document = store(stack).calibrations.get(str(state["calibration_id"]))
-    assert pooled(stack, document) is None
-    assert check(stack, CHECKERS[0], camera).status == 404
-
-
 def test_ten_contributors_need_four_votes_to_withdraw(stack: Server) -> None:
     camera = "Well known"
     for n in range(10):

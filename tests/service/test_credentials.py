@@ -105,11 +105,6 @@ def test_get_lookup_takes_the_token_in_its_query(client: Client) -> None:
         assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&{name}=cdb_dev_x").status == 403
 
 
-def test_post_lookup_takes_the_old_clients_token_in_its_body(client: Client) -> None:
-    for token, status in ((TOKEN, 307), ("cdb_dev_x", 403)):
-        assert client.call("POST", "/v1/lookup", {**CAMERA, "api_key": token}, token="").status == status
-
-
 def test_a_page_of_another_origin_is_refused(store: Store, client: Client) -> None:
     store.tokens.create(ApiToken("page", secret_hash("s3cret"), origins=("https://shop.example",)))
     ours, other = {"origin": "https://shop.example"}, {"origin": "https://thief.example"}

@@ -106,11 +106,8 @@ def test_six_duplicates_in_a_row_end_a_capture_and_undo_cuts_its_course(
     after = latest(stack, camera)
     assert (before.duplicates, after.duplicates) == (5, 0)
     assert [view.stated for view in after.views] == [view.stated for view in before.views[:4]]
-    # What was undone may be shown again.
-    assert client.view(5, *last).json["accepted"]
-    ended = repeat(6, 6)
-    assert (ended["status"], ended["end"]) == ("converged", "nothing_new")
-    assert client.state()["calibration"]["id"] == ended["calibration_id"]
+    assert client.view(5, *last).json["accepted"], "it may be shown again"
+    assert repeat(6, 6)["end"] == "nothing_new"
 
 
 def test_capture_starts_from_a_reliable_consensus(stack: Server, client: Client) -> None:

@@ -1,13 +1,10 @@
 """Lookups through the gateway."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from calibdb.camera_key import camera_key
-from calibdb.lookup import camera_match, well_known_ids
-from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server, variables_set
 from tests.helpers.service.client import Answer, Client
@@ -17,17 +14,6 @@ from tests.helpers.service.storage_calls import storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
 PUBLIC = {"MIN_CONTRIBUTORS": "3"}
-
-
-def refresh(store: Store, label: str) -> None:
-    rules = Thresholds(min_contributors=3, contributor_period=0)
-    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), rules)
-
-
-@pytest.fixture
-def in_public() -> Iterator[None]:
-    with variables_set(PUBLIC):
-        yield
 
 
 def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
@@ -124,31 +110,6 @@ def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
         with storage_calls(stack) as asked:
             assert ask(stack, label, distortion_model="fisheye").status == 307
         assert asked == ["Query"]
-
-
-@pytest.mark.usefixtures("in_public")
-def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> None:
-    label = "Twofold X3"
-    known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"
-    store.calibrations.publish(calibration(known))
-    put(store, consensus(camera=known))
-    refresh(store, known)
-    assert ask(stack, label).status == 200
-    for number, status in ((1, 200), (2, 200), (3, 307)):
-        store.calibrations.publish(calibration(other, number=number))
-        if number == 3:
-            put(store, consensus(camera=other))
-        refresh(store, other)
-        with storage_calls(stack) as asked:
-            answer = ask(stack, label)
-        assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
-    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", camera_match.SEVERAL)
-    assert ask(stack, known).status == 200
-    # and back, when too few agree any more
-    assert store.consensuses.drop(consensus(camera=other))
-    put(store, consensus(camera=other, reason="too_few", calibrations=2))
-    refresh(store, other)
-    assert ask(stack, label).status == 200
 
 
 def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:

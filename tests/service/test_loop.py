@@ -10,8 +10,7 @@ import pytest
 from calibdb import schema
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
-from tests.helpers.service.published import calibration, publish, store
-from tests.helpers.service.storage_calls import storage_calls
+from tests.helpers.service.published import calibration, publish
 
 
 @pytest.fixture(scope="module")
@@ -63,19 +62,6 @@ def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
 
 @pytest.mark.usefixtures("known")
 class TestLookup:
-    def test_a_consensus_with_nothing_new_is_not_computed_again(
-        self, stack: Server, known: list[Any]
-    ) -> None:
-        at_rest = store(stack)
-        key = known[1]["calibration_id"].rpartition("-")[0]
-        asked_for = schema.RefitRequest(
-            camera=key, img_size=(1280, 720), zoom=0.0, models=schema.DISTORTION_MODELS
-        )
-        first = at_rest.refit.now(asked_for)
-        with storage_calls(stack) as asked:
-            assert at_rest.refit.now(asked_for) == first
-        assert asked == ["Query"] * 3, "neither keypoints read nor anything written"
-
     def test_get_answers_like_post_and_may_be_cached_for_a_moment(self, client: Client) -> None:
         query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
         answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")

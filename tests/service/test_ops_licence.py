@@ -47,10 +47,8 @@ def test_import_says_its_licence(operator: Operator, tmp_path: Path) -> None:
     path = tmp_path / "corners.vnl"
     path.write_bytes(formats.write(subject("rectilinear"), "corners-vnl").content)
     told = ["import", path, "--squares", "9x6", "--img-size", "1280x720", "--model", "rectilinear"]
-    told += ["--platform", "X11; Linux x86_64", "--camera"]
-    operator(*told, "Microsoft LifeCam HD-3000 (045e:0779)", "--licence", "MIT", status=1)
-    operator(*told, "Microsoft LifeCam HD-3000 (045e:0779)", "--licence", "CC0-1.0")
-    operator(*told, "HD Pro Webcam C920 (046d:082d)")
+    told += ["--platform", "Linux", "--camera", "Microsoft LifeCam HD-3000 (045e:0779)"]
+    operator(*told, "--licence", "MIT", status=1)
+    operator(*told, "--licence", "CC0-1.0")
     with Server(operator.folder) as stack:
-        given = {document.camera: document.licence for document in store(stack).calibrations.all()}
-    assert [licence for _, licence in sorted(given.items())] == [None, "CC0-1.0"]
+        assert [document.licence for document in store(stack).calibrations.all()] == ["CC0-1.0"]

@@ -122,23 +122,6 @@ def test_pose_of_a_camera_is_the_target_of_its_rig(stack: Server) -> None:
     assert rig.state() == skipped.json, "until it is skipped, too"
 
 
-def test_moment_undone_is_gone_from_all_cameras(stack: Server) -> None:
-    rig = RigTruth(stack, seed=3).open()
-    for number in range(3):
-        rig.moment(f"m{number}")
-    before = rig.state()
-    for _ in range(2):  # idempotent
-        undone = rig.call("DELETE", "/moments/m1")
-        assert undone.status == 200
-        assert [m["id"] for m in undone.json["moments"]] == ["m0", "m2"]
-    assert undone.json["uncertainty"]["rms"] > before["uncertainty"]["rms"]
-    assert [len(client.state()["views"]) for client in rig.clients] == [2, 2]
-    late = rig.view(1, "m1", *rig.see(1, rig.held()))
-    assert late.problem == (409, "moment-undone")
-    again = rig.call("POST", "/moments", {"moment": "m1"})
-    assert again.status == 409
-
-
 def test_view_of_an_older_moment_is_welcome(stack: Server) -> None:
     """A client that lost its network delivers what it took, in any order, and a replay changes nothing."""
     rig = RigTruth(stack, seed=3).open()
