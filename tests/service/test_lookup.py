@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 
 from calibdb.camera_key import camera_key
+from calibdb.lookup import camera_match, well_known_ids
+from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server, variables_set
 from tests.helpers.service.client import Answer, Client
@@ -110,6 +112,18 @@ def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
         with storage_calls(stack) as asked:
             assert ask(stack, label, distortion_model="fisheye").status == 307
         assert asked == ["Query"]
+
+
+def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> None:
+    name, rules = "Twofold X3", Thresholds(min_contributors=3, contributor_period=0)
+    with variables_set(PUBLIC):
+        for label, status in ((f"{name} (1111:0003)", 200), (f"{name} (1111:0004)", 307)):
+            store.calibrations.publish(calibration(label))
+            put(store, consensus(camera=label))
+            well_known_ids.refresh_well_known(store, camera_key(label, LINUX), rules)
+            answer = ask(stack, name)
+            assert answer.status == status
+    assert answer.json["detail"] == camera_match.SEVERAL
 
 
 def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:

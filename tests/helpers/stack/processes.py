@@ -51,7 +51,7 @@ def environment_of(root: Path, *wheels: Path, startup: str = "") -> Path:
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 
-    `program`: an installed server, which gets nothing of this checkout. `start_seconds`: time until it answered
+    `program`: an installed server, which gets nothing of this checkout. `start_seconds`: until it answered
     its health check.
     """
 

@@ -55,6 +55,7 @@ def test_a_whole_capture_survives_a_crash_at_every_write(rig: RigTruth) -> None:
     assert [m["positions"] for m in rig.state()["moments"]] == [[0, 1]] * 5
     undone = completed(rig.stack, lambda: rig.call("DELETE", "/moments/m4"))
     assert [m["id"] for m in undone.json["moments"]] == ["m0", "m1", "m2", "m3"]
+    assert [len(client.state()["views"]) for client in rig.clients] == [4, 4]
     finished = completed(rig.stack, lambda: rig.call("POST", "/finish"))
     assert rig.state() == finished.json
     for position, calibration in enumerate(finished.json["result"]["cameras"]):
