@@ -10,7 +10,7 @@ from tests.helpers.service.strangers import SITE, ask, context, make, manage
 
 
 def test_use_is_shown_by_hour_and_day(client: Client, clock: Clock) -> None:
-    made = make(client, "http://localhost")
+    made = make(client)
     for _ in range(3):
         ask(client, made["token"])
     client.call("POST", "/v1/auth", token=made["token"])
@@ -28,7 +28,7 @@ def test_use_is_shown_by_hour_and_day(client: Client, clock: Clock) -> None:
 
 
 def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client, clock: Clock) -> None:
-    made = make(client, "http://localhost")
+    made = make(client)
     left = []
     for _ in range(3):
         answer = ask(client, made["token"])
@@ -42,7 +42,7 @@ def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client, clock:
     assert usage.json["limits"] == made["limits"]
     assert usage.json["used"] == {"sessions": 1, "views": 0, "poses": 0, "lookups": 4}
     assert 0 < usage.json["resets_at"] - clock() <= 3600
-    assert "ratelimit" not in client.call("GET", "/healthz", token="").headers
+    assert "ratelimit" not in client.call("GET", "/healthz").headers
 
 
 def test_miss_is_answered_without_an_error_where_that_is_asked_for(client: Client) -> None:
@@ -58,14 +58,14 @@ def test_miss_is_answered_without_an_error_where_that_is_asked_for(client: Clien
 
 def test_five_tokens_a_day_and_source(client: Client, clock: Clock) -> None:
     for _ in range(5):
-        make(client, "http://localhost")
-    refused = client.call("POST", "/v1/tokens", {"origins": [SITE]}, token="")
+        make(client)
+    refused = client.call("POST", "/v1/tokens", {"origins": [SITE]})
     assert refused.status == 429
     assert 1 <= int(refused.headers["retry-after"]) <= 86_400
     assert "5 new tokens a day" in refused.json["detail"]
     make(Client(client.stack, address="198.18.7.8"), "http://localhost")
     clock.now += 86_400
-    make(client, "http://localhost")
+    make(client)
     issued = dict(context(client.stack).store.quotas.issued())
     assert issued[time.strftime("%Y-%m-%d", time.gmtime(clock()))] >= 1
 
@@ -74,7 +74,7 @@ def test_one_ipv6_line_is_one_source(client: Client) -> None:
     for n in range(5):
         make(Client(client.stack, address=f"2001:db8:7:{n:x}::1"), "http://localhost")
     last = Client(client.stack, address="2001:db8:7:ff::1")
-    assert last.call("POST", "/v1/tokens", {"origins": [SITE]}, token="").status == 429
+    assert last.call("POST", "/v1/tokens", {"origins": [SITE]}).status == 429
 
 
 def test_management_is_bounded(client: Client, clock: Clock, site: dict[str, str]) -> None:

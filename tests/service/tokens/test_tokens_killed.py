@@ -80,5 +80,5 @@ def test_killed_while_a_token_is_made_leaves_none_half_made(stack: Server) -> No
         client = Client(stack, address=f"198.19.0.{writes}")
         with crash_after(stack.storage, writes, token_ttl_s=0):
             assert client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}).status == 503
-        made = make(client, "http://localhost")
+        made = make(client)
         assert client.call("GET", "/v1/usage", token=made["token"]).status == 200
