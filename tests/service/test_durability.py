@@ -1,16 +1,15 @@
 """A killed server loses nothing that it has acknowledged, and what it keeps is consistent."""
 
+import itertools
 import logging
 import resource
 import signal
 import socket
-import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, redirect_stderr
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from infra.server.command import main
 from infra.server.server import PortInUseError, Server
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client
+from tests.helpers.service.commands import run
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.stack.processes import LocalProcess
 
@@ -48,8 +48,6 @@ class Ledger:
     started: dict[str, Any] = field(default_factory=dict)  # session id -> state
     forgotten: set[str] = field(default_factory=set)
     doubtful: set[str] = field(default_factory=set)  # asked to be forgotten, without an answer
-    cut_off: int = 0
-    lock: threading.Lock = field(default_factory=threading.Lock)
 
     @property
     def acknowledged(self) -> int:
@@ -57,20 +55,14 @@ class Ledger:
 
 
 def write_until_cut_off(url: str, ledger: Ledger, worker: int) -> None:
-    with httpx.Client(base_url=url, timeout=60) as client:
-        try:
-            for number in range(10_000):
-                session, state = start(client, f"Camera {worker}-{number}")
-                with ledger.lock:
-                    ledger.started[session] = state
-                if number % 5 == 4:
-                    ledger.doubtful.add(session)
-                    assert client.delete("/v1/session", headers=bearer(session)).status_code == 204
-                    with ledger.lock:
-                        ledger.forgotten.add(session)
-        except httpx.TransportError:
-            with ledger.lock:
-                ledger.cut_off += 1
+    with suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=60) as client:
+        for number in itertools.count():
+            session, state = start(client, f"Camera {worker}-{number}")
+            ledger.started[session] = state
+            if number % 5 == 4:
+                ledger.doubtful.add(session)
+                assert client.delete("/v1/session", headers=bearer(session)).status_code == 204
+                ledger.forgotten.add(session)
 
 
 def dangling_pointers(stack: Server) -> tuple[int, list[str]]:
@@ -85,7 +77,7 @@ def dangling_pointers(stack: Server) -> tuple[int, list[str]]:
 
 
 def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) -> None:
-    with httpx.Client(base_url=url, timeout=60) as client:
+    with suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=60) as client:
         made = client.post("/v1/tokens", json={"origins": ["http://localhost"]}).raise_for_status().json()
         acknowledged |= {"token": made["token"], "managing": made["management_token"], "secrets": 1}
         managing = bearer(made["management_token"])
@@ -93,15 +85,12 @@ def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) 
         if used:
             client.get("/v1/usage", headers=bearer(made["token"])).raise_for_status()
             acknowledged["expires"] = None
-        try:
-            for number in range(1_000):
-                rotated = client.post("/v1/tokens/self/rotate", headers=managing, json={"grace_s": 600})
-                acknowledged["token"] = rotated.raise_for_status().json()["token"]
-                acknowledged["secrets"] += 1
-                named = client.patch("/v1/tokens/self", headers=managing, json={"name": f"{number}"})
-                acknowledged["name"] = named.raise_for_status().json()["name"]
-        except httpx.TransportError:
-            acknowledged["cut off"] = True
+        for number in itertools.count():
+            rotated = client.post("/v1/tokens/self/rotate", headers=managing, json={"grace_s": 600})
+            acknowledged["token"] = rotated.raise_for_status().json()["token"]
+            acknowledged["secrets"] += 1
+            named = client.patch("/v1/tokens/self", headers=managing, json={"name": f"{number}"})
+            acknowledged["name"] = named.raise_for_status().json()["name"]
 
 
 @dataclass
@@ -142,7 +131,6 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
 
 def test_kill_while_writing_loses_no_acknowledged_write(killed: Killed) -> None:
     ledger = killed.ledger
-    assert ledger.cut_off == 4, "every client was in the middle of something"
     with Server(killed.data_dir) as stack:
         for session, state in ledger.started.items():
             found = Client(stack, session).call("GET", "/v1/session")
@@ -156,7 +144,6 @@ def test_kill_while_writing_loses_no_acknowledged_write(killed: Killed) -> None:
 
 
 def test_acknowledged_secrets_open_after_a_kill(killed: Killed) -> None:
-    assert all(token["cut off"] for token in killed.tokens)
     with Server(killed.data_dir) as stack:
         client = Client(stack)
         for token in killed.tokens:
@@ -174,11 +161,10 @@ def test_acknowledged_secrets_open_after_a_kill(killed: Killed) -> None:
 
 def refusal(data_dir: Path) -> str:
     """Words of `calibdb-server` where it does not start."""
-    with pytest.MonkeyPatch.context() as patch, redirect_stderr(StringIO()) as said:
+    with pytest.MonkeyPatch.context() as patch:
         patch.setattr(folder, "LOCK_TIMEOUT_S", 0.2)
         patch.setattr(logging.getLogger("infra"), "level", logging.INFO)  # what it sets passes
-        assert main(["--data", str(data_dir), "--port", "0"]) == 1
-    return said.getvalue()
+        return run(main, "--data", data_dir, "--port", "0", status=1).err
 
 
 @pytest.mark.parametrize(
@@ -262,9 +248,7 @@ def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
                 assert answer.status == 503, answer
                 refused += 1
         assert len(kept) > 10
-        for session, state in kept.items():
-            assert Client(stack, session).state() == state
+        assert [Client(stack, session).state() for session in kept] == list(kept.values())
     with Server(data_dir) as stack:
-        for session, state in kept.items():
-            assert Client(stack, session).state() == state
+        assert [Client(stack, session).state() for session in kept] == list(kept.values())
         assert dangling_pointers(stack) == (len(kept), [])
