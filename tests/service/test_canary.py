@@ -70,7 +70,7 @@ def test_canary_says_at_which_step_it_failed(
 ) -> None:
     stack, url = site
 
-    api = stack.app._api  # type: ignore[attr-defined]
+    api = stack.app._api
 
     async def broken(scope: Scope, receive: Receive, send: Send) -> None:
         app = Response("secret", 500) if scope["path"] == breaks else api

@@ -129,6 +129,5 @@ def test_pages_of_the_site_itself_may_use_any_token(stack: Server, store: Store,
 
 def test_the_index_holds_no_secret(store: Store) -> None:
     token = store.tokens.get("dev")
-    assert token is not None
     assert token.secret_sha256 == secret_hash("local")
     assert "'local'" not in repr(token)

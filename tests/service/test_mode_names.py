@@ -74,7 +74,6 @@ def test_operator_removes_a_name(stack: Server) -> None:
 def test_contributor_names_the_mode(client: Client) -> None:
     ended = Truth(seed=3).calibrate(client, camera="Named Z1", mode_name="  Linear + Horizon ", **BRIEF)
     stored = store(client.stack).calibrations.get(ended["calibration_id"])
-    assert stored is not None
     assert stored.mode_name == "Linear + Horizon"
 
 

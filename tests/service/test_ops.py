@@ -17,7 +17,7 @@ from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.commands import Operator
 from tests.helpers.service.index_items import Key, items, remove
-from tests.helpers.service.published import calibration, publish, store
+from tests.helpers.service.published import calibration, publish, store, views
 
 
 @pytest.fixture(scope="module")
@@ -26,6 +26,8 @@ def operator(tmp_path_factory: pytest.TempPathFactory) -> Operator:
     with Server(operator.folder) as stack:
         for seed in (0, 3):
             Truth(seed=seed).calibrate(Client(stack), **BRIEF)
+        stack.wait_until_idle(60)
+        assert Client(stack).check(views(Truth(seed=1))).json["counted"]
     return operator
 
 
@@ -165,6 +167,11 @@ def test_calibration_is_withdrawn_and_restored(operator: Operator) -> None:
         victim = objects(stack, "calibrations/")[1].split("/")[2][:-5]
     operator("calibration", "withdraw", victim, "--reason", "held in front of a mirror")
     assert "withdrawn before" in operator("calibration", "withdraw", victim)
+    with Server(operator.folder) as stack:
+        withdrawn = items(stack)
+        remove(stack, *withdrawn)
+    operator("reindex")
+    assert index(operator) == withdrawn
     operator("calibration", "restore", victim)
     operator("calibration", "restore", victim, status=1)
     assert index(operator) == before

@@ -13,7 +13,7 @@ from calibdb.camera_key import camera_key
 from calibdb.schema import DISTORTION_MODELS
 from infra.server.server import Server
 from tests.helpers.service import published
-from tests.helpers.service.client import CAMERA, Client
+from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration
 
@@ -31,6 +31,7 @@ def known(tmp_path_factory: pytest.TempPathFactory) -> Operator:
         phone = phone.model_copy(update=named | {"id": phone.id.replace(phone.camera_key, key)})
         given = (phone, *(calibration(str(CAMERA["camera"]), n) for n in range(5)))
         published.publish(stack, *(one.model_copy(update=LICENSED) for one in given), models=())
+        assert Client(stack).check(published.views(Truth(seed=9)), **LICENSED).json["counted"]
     return operator
 
 
@@ -58,6 +59,7 @@ def lookups(folder: Path) -> list[Any]:
         client = Client(stack)
         answers = [client.lookup(**what, redirect=False).json for what in asked]
         answers.append(client.call("GET", "/v1/cameras").json)
+        answers.append({"votes": list(stack.storage.objects.names("votes/"))})
     return [{k: v for k, v in one.items() if k not in ("guidance_url", "type")} for one in answers]
 
 
@@ -65,7 +67,7 @@ def test_loaded_dump_answers_alike(known: Operator, dumped: Path, operator: Oper
     expected = lookups(known.folder)
     assert all("camera_matrix" in answer for answer in expected[:2])  # rectilinear and fisheye
     for _ in range(2):  # the second time changes nothing
-        assert "6 calibrations and 0 votes stored" in operator("load", dumped)
+        assert "6 calibrations and 1 votes stored" in operator("load", dumped)
         assert lookups(operator.folder) == expected
 
 

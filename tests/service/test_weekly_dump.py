@@ -199,7 +199,7 @@ def test_two_writers_make_one_dump(stack: Server, context: OpsContext) -> None:
             overtaken.append(writer(context, max_part_bytes=2000).run())
         return original(draft, tag)
 
-    slow.dumps.advance = advance  # type: ignore[method-assign]
+    slow.dumps.advance = advance
     assert slow.run() is None
     assert overtaken == [latest(stack)]
     assert len({one["id"] for one in documents(stack, latest(stack), "calibrations")}) == 11
