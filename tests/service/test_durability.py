@@ -20,25 +20,12 @@ from infra.server import folder
 from infra.server.command import main
 from infra.server.server import PortInUseError, Server
 from tests.helpers.marks import thorough
-from tests.helpers.service.client import Client
+from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.service.commands import run
 from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.remote import Remote
+from tests.helpers.service.strangers import make, manage, rotate
 from tests.helpers.stack.processes import LocalProcess
-
-TOKEN = {"authorization": "Bearer cdb_dev_local"}
-
-
-def bearer(credential: str) -> dict[str, str]:
-    return {"authorization": f"Bearer {credential}"}
-
-
-def start(client: httpx.Client, camera: str) -> tuple[str, Any]:
-    """Start a session; return its id and its state."""
-    session = client.post("/v1/auth", headers=TOKEN).json()["session_id"]
-    body = {"camera": camera, "platform": "Linux", "img_size": [1280, 720]}
-    answer = client.post("/v1/session", headers=bearer(session), json=body)
-    assert answer.status_code == 201, answer.text
-    return session, answer.json()
 
 
 @dataclass
@@ -55,13 +42,15 @@ class Ledger:
 
 
 def write_until_cut_off(url: str, ledger: Ledger, worker: int) -> None:
-    with suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=60) as client:
+    with suppress(httpx.TransportError), Remote(url) as remote:
         for number in itertools.count():
-            session, state = start(client, f"Camera {worker}-{number}")
-            ledger.started[session] = state
+            client = Client(remote)
+            started = client.open(camera=f"Camera {worker}-{number}").json
+            session = client.session_id
+            ledger.started[session] = started
             if number % 5 == 4:
                 ledger.doubtful.add(session)
-                assert client.delete("/v1/session", headers=bearer(session)).status_code == 204
+                assert client.forget().status == 204
                 ledger.forgotten.add(session)
 
 
@@ -77,20 +66,17 @@ def dangling_pointers(stack: Server) -> tuple[int, list[str]]:
 
 
 def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) -> None:
-    with suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=60) as client:
-        made = client.post("/v1/tokens", json={"origins": ["http://localhost"]}).raise_for_status().json()
-        acknowledged |= {"token": made["token"], "managing": made["management_token"], "secrets": 1}
-        managing = bearer(made["management_token"])
-        acknowledged["expires"] = made["expires"]
+    with suppress(httpx.TransportError), Remote(url) as remote:
+        client = Client(remote)
+        made = make(client)
+        acknowledged |= {**made, "secrets": 1}
         if used:
-            client.get("/v1/usage", headers=bearer(made["token"])).raise_for_status()
+            assert client.call("GET", "/v1/usage", token=made["token"]).status == 200
             acknowledged["expires"] = None
         for number in itertools.count():
-            rotated = client.post("/v1/tokens/self/rotate", headers=managing, json={"grace_s": 600})
-            acknowledged["token"] = rotated.raise_for_status().json()["token"]
+            acknowledged["token"] = rotate(client, made, grace_s=600)["token"]
             acknowledged["secrets"] += 1
-            named = client.patch("/v1/tokens/self", headers=managing, json={"name": f"{number}"})
-            acknowledged["name"] = named.raise_for_status().json()["name"]
+            acknowledged["name"] = manage(client, "PATCH", made, body={"name": f"{number}"}).json["name"]
 
 
 @dataclass
@@ -104,7 +90,7 @@ class Killed:
 
 def are_enough(tokens: list[dict[str, Any]]) -> bool:
     """True if every token was rotated and named, and all of them often."""
-    return all("name" in token for token in tokens) and sum(token["secrets"] for token in tokens) >= 24
+    return all(token.get("name") for token in tokens) and sum(token["secrets"] for token in tokens) >= 24
 
 
 @pytest.fixture(scope="module")
@@ -147,14 +133,13 @@ def test_acknowledged_secrets_open_after_a_kill(killed: Killed) -> None:
     with Server(killed.data_dir) as stack:
         client = Client(stack)
         for token in killed.tokens:
-            managing = token["managing"]
-            facts = client.call("GET", "/v1/tokens/self", token=managing).json
+            facts = manage(client, "GET", token).json
             # The first use of the others is written within a second.
             assert token["expires"] in (None, facts["expires"])
             assert sum(day["lookups"] for day in facts["use"]["days"]) <= (token["expires"] is None)
             assert client.call("GET", "/v1/usage", token=token["token"]).status == 200
             assert int(facts["name"]) in {int(token["name"]), int(token["name"]) + 1}
-            assert client.call("DELETE", "/v1/tokens/self", token=managing).status == 204
+            assert manage(client, "DELETE", token).status == 204
         refused = [client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}) for _ in range(2)]
         assert [answer.status for answer in refused] == [201, 429]  # the day's five were counted
 
@@ -178,12 +163,10 @@ def test_server_stops_within_three_seconds_and_a_restart_keeps_its_sessions(
     tmp_path: Path, number: signal.Signals, workers: str
 ) -> None:
     data_dir = tmp_path / "data"
-    with (
-        LocalProcess(data_dir, {"WORKERS": workers}) as first,
-        httpx.Client(base_url=first.url, timeout=60) as client,
-    ):
-        session, state = start(client, "C")
-        assert client.get("/v1/session", headers=bearer("secret-of-nobody")).is_error
+    with LocalProcess(data_dir, {"WORKERS": workers}) as first, Remote(first.url) as remote:
+        client = Client(remote)
+        state = client.open().json
+        assert client.call("GET", "/v1/session", token="secret-of-nobody").status == 403
         port = int(first.url.rpartition(":")[2])
         assert "is in use by another server" in refusal(data_dir)
         with pytest.raises(PortInUseError, match=f"port {port} cannot be used"):
@@ -198,11 +181,11 @@ def test_server_stops_within_three_seconds_and_a_restart_keeps_its_sessions(
         log = first.log.read_text()
     secrets = (data_dir / "secrets.json").read_text()
     kept = [secret for secret in secrets.split('"') if len(secret) >= 32]
-    for secret in ("cdb_dev_local", session, "secret-of-nobody", *kept):
+    for secret in (TOKEN, client.session_id, "secret-of-nobody", *kept):
         assert secret not in log
     assert "GET /v1/session 403" in log
     with Server(data_dir) as second:
-        assert Client(second, session).state() == state
+        assert Client(second, client.session_id).state() == state
 
 
 def test_clock_that_jumps_stops_neither_lookups_nor_jobs(tmp_path: Path) -> None:
