@@ -11,7 +11,7 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from infra.server.server import Server
 from tests.helpers.marks import thorough
 from tests.helpers.service import published
-from tests.helpers.service.client import CAMERA, EDGE, Answer, Client, Truth
+from tests.helpers.service.client import EDGE, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, calibration, mode_of, store, views
 
 TOKENS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")
@@ -30,10 +30,16 @@ def stack() -> Iterator[Server]:
 
 
 def check(
-    stack: Server, address: str, camera: str, seed: int = 0, fx: float = 950.0, token: str = TOKENS[1]
+    stack: Server,
+    address: str,
+    camera: str,
+    seed: int = 0,
+    fx: float = 950.0,
+    token: str = TOKENS[1],
+    **more: object,
 ) -> Answer:
     client = Client(stack, api_token=token, address=address)
-    return client.check(views(Truth(seed=seed, fx=fx, fy=fx - 2)), camera=camera, platform=PLATFORM)
+    return client.check(views(Truth(seed=seed, fx=fx, fy=fx - 2)), camera=camera, platform=PLATFORM, **more)
 
 
 def contributed(
@@ -150,14 +156,9 @@ def test_cropped_stream_is_not_compared_with_native_streams(stack: Server) -> No
     camera = "Cropped"
     document = contributed(stack, camera, 0, "somewhere")
     pooled(stack, document)
-    client = Client(stack, address=CHECKERS[0])
-    client.authenticate(TOKENS[1])
-    body = {**CAMERA, "camera": camera, "platform": PLATFORM, "views": views(Truth(seed=100))}
-    cropped = client.call("POST", "/v1/checks", {**body, "resize_mode": "crop-and-scale"})
-    assert cropped.status == 404
+    assert check(stack, CHECKERS[0], camera, resize_mode="crop-and-scale").status == 404
     assert store(stack).votes.newest(mode_of(document), one_per_source=True) == []
-    native = client.call("POST", "/v1/checks", {**body, "resize_mode": "none"})
-    assert (native.status, native.json["counted"]) == (200, True)
+    assert check(stack, CHECKERS[0], camera, 100, resize_mode="none").json["counted"] is True
 
 
 def test_no_address_is_kept(stack: Server) -> None:

@@ -39,10 +39,14 @@ def details(answer: Answer) -> dict[str, str]:
     return {error["field"]: error["detail"] for error in answer.json["errors"]}
 
 
-def code_of(stack: Server, **rig: object) -> str:
+def lead(client: Client, cameras: int = 2, **rig: object) -> Answer:
+    return client.call("POST", "/v1/rigs", {"cameras": cameras, **rig})
+
+
+def code_of(stack: Server) -> str:
     client = Client(stack)
     client.open()
-    return str(client.call("POST", "/v1/rigs", {"cameras": 2, **rig}).json["join_code"])
+    return str(lead(client).json["join_code"])
 
 
 def test_wrong_expired_and_used_up_codes_are_answered_alike(rig: RigTruth) -> None:
@@ -95,7 +99,7 @@ def test_camera_too_many_and_position_taken_name_the_position(rig: RigTruth) -> 
     assert found == {"rig.position": "The rig has all its 2 cameras."}
     client = Client(rig.stack)
     client.open(**board)
-    three = client.call("POST", "/v1/rigs", {"cameras": 3}).json["rig_id"]
+    three = lead(client, 3).json["rig_id"]
     assert joining(rig.stack, rig={"id": three, "position": 2}, **board).status == 201
     found = details(joining(rig.stack, rig={"id": three, "position": 2}, **board))
     assert found == {"rig.position": "taken; free: 1"}
@@ -104,11 +108,11 @@ def test_camera_too_many_and_position_taken_name_the_position(rig: RigTruth) -> 
 
 
 def test_session_that_joined_cannot_take_another_position(rig: RigTruth) -> None:
-    session = rig.clients[1]
-    again = session.call("POST", "/v1/session", {**rig.request(1), "rig": {"code": "AAAAAA"}})
-    assert (again.status, again.json["rig"]["position"]) == (201, 1), "its place is known without a code"
-    other = session.call("POST", "/v1/session", {**rig.request(1), "rig": {"id": rig.rig_id, "position": 0}})
-    assert other.problem == (409, "other-content")
+    def start(**wanted: object) -> Answer:
+        return rig.clients[1].call("POST", "/v1/session", {**rig.request(1), "rig": wanted})
+
+    assert start(code="AAAAAA").json["rig"]["position"] == 1, "its place is known without a code"
+    assert start(id=rig.rig_id, position=0).problem == (409, "other-content")
 
 
 def test_another_board_is_refused(stack: Server) -> None:
@@ -120,9 +124,9 @@ def test_another_board_is_refused(stack: Server) -> None:
 def test_board_that_half_a_turn_leaves_alike_cannot_lead(stack: Server) -> None:
     client = Client(stack)
     client.open(board={"kind": "chessboard", "squares": [9, 7]})
-    assert client.call("POST", "/v1/rigs", {"cameras": 2}).fields == ["board"]
+    assert lead(client).fields == ["board"]
     client.open(board={"kind": "chessboard", "squares": [10, 7]})
-    assert client.call("POST", "/v1/rigs", {"cameras": 2}).status == 201
+    assert lead(client).status == 201
 
 
 @pytest.mark.parametrize(
@@ -142,17 +146,16 @@ def test_malformed_rig_names_the_field(stack: Server, body: Any, field: str) -> 
 
 def test_rig_is_made_once_by_a_session_without_views(rig: RigTruth) -> None:
     leader, follower = rig.clients
-    again = leader.call("POST", "/v1/rigs", {"cameras": 2}).json
-    assert again["rig_id"] == rig.rig_id
-    assert leader.call("POST", "/v1/rigs", {"cameras": 3}).problem == (409, "other-content")
-    assert leader.call("POST", "/v1/rigs", {"cameras": 2, "square_size": 1}).problem == (409, "other-content")
-    assert follower.call("POST", "/v1/rigs", {"cameras": 2}).problem == (409, "in-rig")
+    assert lead(leader).json["rig_id"] == rig.rig_id
+    assert lead(leader, 3).problem == (409, "other-content")
+    assert lead(leader, square_size=1).problem == (409, "other-content")
+    assert lead(follower).problem == (409, "in-rig")
     alone = Client(rig.stack)
     assert alone.call("POST", "/v1/rigs", {"cameras": 2}, token="x").problem == (403, "forbidden")
     alone.open()
     pose = alone.pose().json
     assert alone.view(pose["index"], *rig.cameras[0].see(pose)).json["accepted"]
-    assert alone.call("POST", "/v1/rigs", {"cameras": 2}).problem == (409, "has-views")
+    assert lead(alone).problem == (409, "has-views")
 
 
 def test_moment_that_was_never_opened_undone_or_doubled(rig: RigTruth) -> None:

@@ -66,9 +66,7 @@ def test_cameras_are_published_with_their_moments(finished: tuple[RigTruth, Any]
     objects = rig.stack.storage.objects
     names = {m["id"] for m in state["moments"]}
     for position, calibration in enumerate(state["result"]["cameras"]):
-        answer = rig.clients[0].calibration(calibration)
-        assert answer.status == 200
-        key = answer.json["camera_key"]
+        key = rig.clients[0].calibration(calibration).json["camera_key"]
         stored = json.loads(objects.get(f"calibrations/{key}/{calibration}.json"))
         assert stored["rig"] == {"id": rig.rig_id, "position": position}
         assert {view["moment"] for view in stored["views"]} <= names
@@ -81,8 +79,7 @@ def test_finish_again_is_answered_again(finished: tuple[RigTruth, Any]) -> None:
     assert rig.call("POST", "/finish").json == state
     assert rig.state(1) == state
     assert rig.call("GET", token=TOKEN).json == state
-    answer = rig.call("POST", "/moments", {"moment": "late"})
-    assert answer.problem == (409, "rig-finished")
+    assert rig.call("POST", "/moments", {"moment": "late"}).problem == (409, "rig-finished")
 
 
 @pytest.mark.parametrize("name", RIG_FORMATS)
@@ -115,8 +112,7 @@ def test_pose_of_a_camera_is_the_target_of_its_rig(stack: Server) -> None:
     assert (pose.status, pose.json["corners"]) == (200, seen["corners"])
     picture = rig.clients[0].call("GET", "/v1/session/pose", headers={"accept": "image/jpeg"})
     assert picture.body.startswith(b"\xff\xd8")
-    hidden = rig.clients[1].pose()
-    assert hidden.problem == (409, "not-in-view")
+    assert rig.clients[1].pose().problem == (409, "not-in-view")
     skipped = rig.call("GET", query="skip=1")
     assert skipped.json["target"]["cameras"] != [seen]
     assert rig.state() == skipped.json, "until it is skipped, too"
@@ -179,8 +175,7 @@ def test_state_tells_who_is_missing(stack: Server) -> None:
     assert [camera["status"] for camera in state["cameras"]] == ["capturing", "waiting", "capturing"]
     assert state["unlinked"] == [1, 2]
     assert state["advice"][0] == {"code": "waiting", "text": "Camera 1 has not joined yet.", "positions": [1]}
-    few = rig.call("POST", "/finish")
-    assert few.problem == (409, "unlinked")
+    assert rig.call("POST", "/finish").problem == (409, "unlinked")
 
 
 def test_a_code_is_replaced_by_asking_again(stack: Server) -> None:
