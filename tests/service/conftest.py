@@ -27,7 +27,6 @@ def certificates() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def commands() -> Iterator[None]:
-    """The operator's commands, made of their functions once."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(typer.main, "get_command", functools.cache(typer.main.get_command))
         yield
@@ -86,7 +85,6 @@ def operator(tmp_path: Path) -> Operator:
 
 @pytest.fixture(scope="module")
 def finished_rig(stack: Server) -> RigTruth:
-    """A rig of two cameras that share four moments."""
     rig = RigTruth(stack, seed=3).open()
     for moment in range(4):
         rig.moment(f"m{moment}")

@@ -41,7 +41,7 @@ def stack(operator: Operator) -> Iterator[Server]:
 
 
 def known(stack: Server) -> dict[tuple[str, float], set[str]]:
-    found: dict[tuple[str, float], set[str]] = {}
+    found = {}
     for camera in CAMERAS:
         for c in store(stack).consensuses.of(calibration(camera, 0).camera_key):
             found.setdefault((camera, c.zoom), set()).add(c.distortion_model)

@@ -118,7 +118,7 @@ def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corne
 def test_batch_without_time_returns_the_results_it_has(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch, left_s: float
 ) -> None:
-    judged: list[object] = []
+    judged = []
     after_third = iter([left_s])
 
     def seconds_left(_: Call) -> float:
@@ -138,7 +138,6 @@ def test_batch_without_time_returns_the_results_it_has(
 
 
 def counted(judged: list[object]) -> Any:
-    """Make `Capture.judge`, which notes its decisions."""
     judge = Capture.judge
 
     def run(self: Capture, *arguments: Any, **options: Any) -> Any:

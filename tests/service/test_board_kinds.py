@@ -67,7 +67,6 @@ def test_board_keeps_its_kind_in_records(board: dict[str, Any]) -> None:
 
 
 def test_real_corners_of_a_chessboard_calibrate(client: Client) -> None:
-    """All of OpenCV's photographs of a chessboard count, and fx is OpenCV's within its error."""
     sent, views, size = photographed(client)
     answer = client.call("POST", "/v1/session/batch", {"index": 0, "views": sent}).json
     assert [result["accepted"] for result in answer["results"]] == [True] * len(views)

@@ -63,9 +63,8 @@ def reported(source: str) -> list[Label]:
 
 
 def fill(stack: Server, known: list[Label]) -> None:
-    """Every camera whose label says which it is, at several sizes, some with another model or a zoom."""
     store = published.store(stack)
-    seen: set[str] = set()
+    seen = set()
     for number, (label, platform) in enumerate(known):
         if platform == PLATFORMS["iOS"] and number % 4:
             continue  # one camera in thirty languages
@@ -90,7 +89,7 @@ def fill(stack: Server, known: list[Label]) -> None:
 
 
 def requests(known: list[Label]) -> list[Request]:
-    found: list[Request] = []
+    found = []
     elsewhere = itertools.cycle(PLATFORMS.values())
     for number, (label, own) in enumerate(known):
         bare = label.rpartition(" (")[0] or label
@@ -99,7 +98,7 @@ def requests(known: list[Label]) -> list[Request]:
             for name, platform in ((label, next(elsewhere)), (bare, own), (bare, next(elsewhere)))
         ]
         asked = {"camera": label, "platform": own, "img_size": [1280, 720]}
-        ways: list[Request] = [{"img_size": list(size)} for size in SIZES]
+        ways = [{"img_size": list(size)} for size in SIZES]
         ways += [{"zoom": 100}, {"distortion_model": "fisheye"}, {"resize_mode": "crop-and-scale"}]
         found += [asked | ways[(number + step) % len(ways)] for step in (0, 2, 4, 5)]
     found.append({"camera": "constructor", "platform": LINUX, "img_size": [1280, 720]})

@@ -95,7 +95,7 @@ def test_canary_that_measures_wrongly_fails(
 
 def test_deployment_gives_the_canary_a_token_once(site: tuple[Server, str]) -> None:
     stack, _ = site
-    kept: dict[str, str] = {}
+    kept = {}
 
     class Parameters:
         def get_parameters(self, *, Names: list[str], **_: object) -> Any:  # noqa: N803

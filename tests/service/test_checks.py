@@ -25,14 +25,12 @@ def views(
 
 
 def calibrated(stack: Server, camera: str, *which: int, begun: int = NOW, **truth: Any) -> None:
-    """Publish calibrations of a camera, each with the consensus it leads to."""
     for n in which:
         published.publish(stack, calibration(camera, n, begun=begun, **truth))
 
 
 @pytest.fixture
 def camera(request: pytest.FixtureRequest) -> str:
-    """Name of a camera of its own for this test."""
     return re.sub(r"\W+", " ", request.node.name)
 
 
@@ -145,7 +143,7 @@ def test_unusable_checks_are_refused(stack: Server, known: str) -> None:
     rng = np.random.default_rng(0)
     noise = [{"ids": list(range(40)), "points": rng.uniform(0, 700, (40, 2)).tolist()}]
     mirrored = [{**view, "points": [[1279 - x, y] for x, y in view["points"]]} for view in views(3)]
-    refused: list[tuple[list[dict[str, Any]], str]] = [
+    refused = [
         ([], "views"),
         (mirrored, "views.0"),
         (views(6), "views"),

@@ -82,7 +82,6 @@ def test_pose_follows_the_accept_header(running: Client, headers: dict[str, str]
 
 @pytest.mark.parametrize("media_type", ["image/jpeg", "image/png"])
 def test_the_picture_shows_the_pose(running: Client, media_type: str) -> None:
-    """The board is drawn where the numbers say, in the size of the image, on black."""
     outline = np.array(running.pose().json["outline"])
     answer = running.call("GET", "/v1/session/pose", headers={"accept": media_type})
     assert answer.headers["content-type"] == media_type

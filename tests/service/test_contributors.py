@@ -45,7 +45,6 @@ def check(
 def contributed(
     stack: Server, camera: str, n: int, source: str, day: int = 0, fx: float = 950.0
 ) -> schema.CalibrationDocument:
-    """The `n`th calibration of a camera, of a token of its own, published some days later."""
     made = calibration(camera, n, begun=1_700_000_000 + day * DAY, fx=fx, fy=fx - 2)
     document = made.model_copy(update={"source": source})
     store(stack).calibrations.publish(document)
@@ -61,7 +60,6 @@ def look_up(stack: Server, camera: str) -> Answer:
 
 
 def captured(stack: Server, camera: str, address: str) -> Client:
-    """Capture and pool one calibration of a camera; return its client."""
     client = Client(stack, api_token=TOKENS[0], address=address)
     state = Truth(seed=4).calibrate(client, camera=camera, platform=PLATFORM)
     pooled(stack, *store(stack).calibrations.read([state["calibration_id"]]))

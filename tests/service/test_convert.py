@@ -15,7 +15,6 @@ JOBS = False
 
 
 def huge_array() -> str:
-    """Make an archive of one array that claims eight terabytes."""
     header = io.BytesIO()
     claim = {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
     np.lib.format.write_array_header_1_0(header, claim)
@@ -33,7 +32,6 @@ def convert(client: Client, file: str, **asked: object) -> Answer:
 
 
 def refused(answer: Answer) -> tuple[str, str]:
-    """Field and detail of the only error."""
     [field] = answer.fields
     return field, answer.json["errors"][0]["detail"]
 

@@ -55,7 +55,7 @@ def test_nothing_tells_an_unknown_token_from_a_wrong_secret(
     store.tokens.create(ApiToken(token_id, secret_hash("s3cret")))
     met = []
     for token in ("cdb_nobody_s3creT", f"cdb_{token_id}_s3creT"):
-        asked: list[str] = []
+        asked = []
 
         def record(operation: str, call: Callable[[], Any], asked: list[str] = asked) -> Any:
             asked.append(operation)

@@ -68,7 +68,7 @@ def folder(undamaged: Path, tmp_path: Path) -> Path:
 def missing(opened: Folder) -> int:
     """Number of rows that are not there; those that are, are as they were written."""
     table, objects = SqliteTable(opened.database), SqliteObjects(opened.database, KEYPOINTS)
-    rows: list[tuple[object, object]] = []
+    rows = []
     for n in range(ROWS):
         rows.append((table.get(str(item(n)["pk"]), str(item(n)["sk"])), item(n)))
         rows.append((objects.get(f"calibrations/{n:03d}.json"), content(n)))
@@ -86,7 +86,6 @@ def test_killed_folder_is_whole(folder: Path) -> None:
 
 
 def test_damage_anywhere_is_reported_and_the_rest_is_served(undamaged: Path, tmp_path: Path) -> None:
-    """Many times some random bytes in the database, its log or a file."""
     rng = random.Random(1)
     said = refused = 0
     for number in range(DAMAGES):

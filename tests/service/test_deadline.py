@@ -94,7 +94,7 @@ def test_rig_that_takes_too_long_is_a_conflict_and_stays(
 def test_rig_that_took_too_long_is_charged_as_a_view_and_not_computed_by_every_read(
     stack: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    computed: list[str] = []
+    computed = []
     solver_record = Rig.solver_record
 
     def counted(rig: Rig, basis: str) -> dict[str, Any]:
@@ -120,7 +120,7 @@ def made(remaining_ms: int, used_s: float, factor: float = 1.0) -> Call:
     context = SimpleNamespace(get_remaining_time_in_millis=lambda: remaining_ms)
     request = Request({"type": "http", "headers": [], "aws.context": context})
     settings = SimpleNamespace(processor_factor=factor)
-    service: Any = SimpleNamespace(settings=settings, clock=lambda: 1.7e9)
+    service = SimpleNamespace(settings=settings, clock=lambda: 1.7e9)
     return Call(request, b"", service, processor_s=lambda: used_s, begun_s=0.0)
 
 
@@ -131,7 +131,6 @@ def made(remaining_ms: int, used_s: float, factor: float = 1.0) -> Call:
 def test_time_left_is_the_lesser_of_processor_and_invocation(
     remaining_ms: int, used_s: float, factor: float, left: float
 ) -> None:
-    """On a slower processor in the same unit."""
     assert made(remaining_ms, used_s, factor).seconds_left() == pytest.approx(left)
 
 

@@ -135,7 +135,7 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
     """Each call in the next of the languages."""
     expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
     assert set(SCENARIO) == set(expected), "every call has an example"
-    values: dict[str, str] = {}
+    values = {}
     with contextlib.ExitStack() as stack:
         run_sample = {language: stack.enter_context(runner(language)) for language in languages.split()}
         for call, language in zip(calls(), itertools.cycle(run_sample), strict=False):
@@ -192,8 +192,6 @@ def test_token_of_the_samples_is_that_of_local_stacks() -> None:
 
 
 class FakeCamera:
-    """Stands for an open camera: named as the examples' one."""
-
     label = "HD Pro Webcam C920 (046d:082d)"
     platform = "X11; Linux x86_64"
     img_size = (1280, 720)

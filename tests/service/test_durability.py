@@ -81,8 +81,6 @@ def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) 
 
 @dataclass
 class Killed:
-    """Folder of a server that was killed, and what clients had heard from it."""
-
     data_dir: Path
     ledger: Ledger
     tokens: list[dict[str, Any]]
@@ -95,10 +93,9 @@ def are_enough(tokens: list[dict[str, Any]]) -> bool:
 
 @pytest.fixture(scope="module")
 def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
-    """Kill a server while clients write sessions and tokens."""
     data_dir = tmp_path_factory.mktemp("killed") / "data"
     ledger = Ledger()
-    tokens: list[dict[str, Any]] = [{} for _ in range(4)]
+    tokens = [{} for _ in range(4)]
     with LocalProcess(data_dir, {"WORKERS": "2"}) as server, ThreadPoolExecutor(8) as pool:
         workers = [pool.submit(write_until_cut_off, server.url, ledger, worker) for worker in range(4)]
         workers += [
@@ -145,7 +142,6 @@ def test_acknowledged_secrets_open_after_a_kill(killed: Killed) -> None:
 
 
 def refusal(data_dir: Path) -> str:
-    """Words of `calibdb-server` where it does not start."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(folder, "LOCK_TIMEOUT_S", 0.2)
         patch.setattr(logging.getLogger("infra"), "level", logging.INFO)  # what it sets passes
@@ -219,7 +215,7 @@ def files_limited(size: int) -> Iterator[None]:
 
 def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
-    kept: dict[str, Any] = {}
+    kept = {}
     refused = 0
     with Server(data_dir) as stack, files_limited(300_000):
         while refused < 3:

@@ -27,7 +27,7 @@ def estimate(stack: Server, camera: str, platform: str = LINUX, **asked: Any) ->
     answer = ask(stack, camera, platform, miss="ok", **asked)
     assert answer.status == 200
     assert answer.json["calibration"] is None
-    likely: dict[str, Any] = answer.json["estimate"]
+    likely = answer.json["estimate"]
     low, high = likely["interval_90"]["hfov_deg"]
     assert 1 < low < likely["hfov_deg"] < high < 175
     return likely
@@ -37,9 +37,7 @@ def estimate(stack: Server, camera: str, platform: str = LINUX, **asked: Any) ->
     ("camera", "platform", "basis"),
     [
         ("HD Pro Webcam C920", WINDOWS, "published"),
-        ("Integrated Camera (04f2:b6d0)", WINDOWS, "population"),
         ("Logitech Brand New Cam (046d:ffff)", WINDOWS, "family"),
-        ("FaceTime HD Camera", "Macintosh; Intel Mac OS X 10_15_7", "population"),
         ("Back Camera", IPHONE, "family"),
         ("camera2 0, facing back", "Linux; Android 14; Pixel 6", "published"),
         ("OBS Virtual Camera", WINDOWS, "population"),
@@ -48,7 +46,7 @@ def estimate(stack: Server, camera: str, platform: str = LINUX, **asked: Any) ->
     ],
 )
 def test_every_camera_has_an_estimate(stack: Server, camera: str, platform: str, basis: str) -> None:
-    for size in ((1280, 720), (640, 480), (720, 1280), (16, 16), (2048, 256)):
+    for size in ((1280, 720), (720, 1280), (16, 16), (2048, 256)):
         likely = estimate(stack, camera, platform, img_size=size)
         assert likely["basis"] == basis
         assert likely["img_size"] == list(size)

@@ -153,7 +153,7 @@ def test_name_in_a_file_is_cleaned_as_labels_are(client: Client, name: str, writ
 
 
 def test_small_files_at_random_never_make_a_500(client: Client) -> None:
-    counts: Counter[int] = Counter()
+    counts = Counter()
 
     @seed(SEED)
     @settings(

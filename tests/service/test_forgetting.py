@@ -50,7 +50,6 @@ def test_forgetting_covers_revoked_tokens(operator: Operator) -> None:
 
 
 def test_forgotten_vote_under_an_earlier_key_recomputes_the_consensus() -> None:
-    """The vote is stored under the key that the camera had then, its consensus under today's."""
     document = calibration("Voted on Z77", 0)
     earlier = f"c1-{document.camera_key[3:]}"
     with Server() as stack:

@@ -137,7 +137,7 @@ def void(_: object) -> None:
 
 def test_parts_are_checked_once_in_ten_seconds_however_many_ask(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    asked: list[int] = []
+    asked = []
     now = [0.0]
 
     def count() -> Callable[[], None]:

@@ -104,8 +104,7 @@ def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.fixture(scope="module")
 def imported(layers: dict[str, Path]) -> dict[str, tuple[set[str], list[str]]]:
-    """Modules that are loaded once a function is imported, and its path."""
-    alike: dict[tuple[bool, bool], list[str]] = {}
+    alike = {}
     for folder, solver in functions(sources(ROOT)):
         alike.setdefault((solver, Path(folder).name in ELSEWHERE), []).append(str(ROOT / folder))
     groups = [

@@ -30,8 +30,7 @@ Views = list[dict[str, Any]]
 
 
 def capture() -> Views:
-    """The views of a capture, up to the one that ends it."""
-    views: Views = []
+    views = []
     with Server() as stack:
         client, truth, status = Client(stack), Truth(seed=3), "capturing"
         client.open(**BRIEF)
@@ -43,7 +42,6 @@ def capture() -> Views:
 
 
 def begin(remote: Remote, views: Views, camera: str) -> str:
-    """Start a session that lacks its last view; return its id."""
     client = Client(remote)
     client.open(camera=camera, **BRIEF)
     for view in views[:-1]:
@@ -85,7 +83,7 @@ def published(operator: Operator) -> set[str]:
         table, objects = stack.storage.table, stack.storage.objects
         files = {name.rpartition("/")[2][:-5] for name in objects.names("calibrations/")}
         indexed = [sk.rpartition("#")[2] for _, sk in table.keys("CAMERA#") if sk.startswith("CALIBRATION#")]
-        behind: dict[str, set[str]] = {model: set() for model in schema.DISTORTION_MODELS}
+        behind = {model: set() for model in schema.DISTORTION_MODELS}
         for key in {name.rpartition("-")[0] for name in files}:
             for consensus in store(stack).consensuses.of(key):
                 for group in store(stack).consensuses.groups(consensus).groups:
@@ -97,10 +95,10 @@ def published(operator: Operator) -> set[str]:
 
 def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> None:
     views, rng = capture(), random.Random(7)
-    cut: list[str] = []
-    files: set[str] = set()
+    cut = []
+    files = set()
     window = 0.0
-    outcomes: Counter[str] = Counter()
+    outcomes = Counter()
     for number in range(KILLS + 1):
         if cut:
             operator("reindex")

@@ -16,7 +16,6 @@ from tests.helpers.service.stores import override_service
 
 @pytest.fixture
 def clock() -> Iterator[Clock]:
-    """The service's clock; its parts outlast a request, as in an instance of a function."""
     clock = Clock(1_800_000_000)
     with override_service(clock=clock):
         yield clock

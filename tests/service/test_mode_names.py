@@ -14,13 +14,11 @@ FOCALS = (950.0, 760.0, 953.0, 758.0, 951.0, 759.0)
 
 @pytest.fixture
 def stack() -> Iterator[Server]:
-    """Three calibrations of each of two modes: neither is in the majority that a consensus needs."""
     with Server(environment={"MIN_CALIBRATIONS": "4"}) as stack:
         yield stack
 
 
 def publish(stack: Server, *names: str | None) -> str:
-    """Publish the calibrations under these names, in the order of `FOCALS`; return the camera's key."""
     for n, (fx, name) in enumerate(zip(FOCALS, names, strict=True)):
         document = calibration(CAMERA, n, fx=fx, fy=fx - 2).model_copy(update={"mode_name": name})
         store(stack).calibrations.publish(document)

@@ -75,7 +75,6 @@ def rigs() -> list[RigTruth]:
 
 
 def running_rig(stack: Server, rigs: list[RigTruth]) -> RigTruth:
-    """Rig of two cameras that share two moments, of which the second was undone."""
     if rigs:
         found = rigs[-1].call("GET")
         there = [moment["id"] for moment in found.json.get("moments", ())]

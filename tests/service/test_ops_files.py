@@ -51,8 +51,7 @@ def content(folder: Path) -> bytes:
 
 
 def lookups(folder: Path) -> list[Any]:
-    """Answers to all sorts of requests, without addresses of the stack."""
-    asked: list[dict[str, Any]] = [{"distortion_model": model} for model in DISTORTION_MODELS]
+    asked = [{"distortion_model": model} for model in DISTORTION_MODELS]
     asked += [{"img_size": [640, 360]}, {"img_size": [640, 480]}, {"zoom": 2}]
     asked += [{"camera": LABEL, "platform": PLATFORM}]
     with Server(folder) as stack:
@@ -152,10 +151,8 @@ def test_contradictory_rows_seed_nothing(operator: Operator, tmp_path: Path) -> 
     with Server(operator.folder) as stack:
         fit = published.store(stack).priors.find(key, (1280, 720), 0, "fisheye")
         assert fit.camera_matrix[0][0] == 910
-        client = Client(stack)
         asked = {"camera": "A One camera", "platform": "photograph", "distortion_model": "fisheye"}
-        assert client.lookup(**asked, redirect=False).json["reason"] == "unknown_camera", "it is a guess"
-        assert client.call("GET", "/v1/cameras").json["cameras"] == []
+        assert Client(stack).lookup(**asked).json["reason"] == "unknown_camera", "it is a guess"
     operator("reindex")
     with Server(operator.folder) as stack:
         assert published.store(stack).priors.find(key, (1280, 720), 0, "fisheye") == fit
@@ -191,9 +188,6 @@ def test_bundle_reports_bytes_per_camera(known: Operator, tmp_path: Path) -> Non
     assert camera["camera"] == "Test camera"
     written = f"1 cameras, {len(camera['rows'])} calibrations, 1 labels written to {file}"
     assert printed[-1].startswith(written)
-    rows = [dict(zip(data["columns"], row, strict=True)) for row in camera["rows"]]
-    [row] = [row for row in rows if row["distortion_model"] == "rectilinear"]
-    assert (row["img_size"], row["calibrations"]) == ([1280, 720], 5)
     for most in ("0", "many"):
         with pytest.raises(SystemExit):
             known("bundle", file, f"--most={most}")

@@ -72,7 +72,7 @@ def test_server_answers_to_its_own_names(server: Server, host: str, status: int)
 def test_address_comes_from_trusted_proxies_only(
     server: Server, monkeypatch: pytest.MonkeyPatch, peer: str, forwarded: str, caller: str
 ) -> None:
-    addresses: list[str] = []
+    addresses = []
     monkeypatch.setattr(Service, "source", lambda _, address: addresses.append(address) or address)
     headers = {**HOST, "content-type": "application/json", "x-forwarded-for": forwarded}
     request(server, "POST", "/v1/tokens", headers, body=b'{"origins": ["http://localhost"]}', client=peer)

@@ -46,8 +46,8 @@ class Captured:
 @pytest.fixture(scope="module")
 def captured(url: str) -> Captured:
     camera = VirtualCamera(seed=2)
-    kept: list[Recording] = []
-    how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "board": Board(), "clock": camera.clock}
+    kept = []
+    how = {"label": LABEL, "platform": PLATFORM, "board": Board(), "clock": camera.clock}
     with Client(url, TOKEN, cache=False) as client, pytest.MonkeyPatch.context() as patch:
         patch.setattr("calibdb.rules.session_rules.TARGET_ERROR_PER_WIDTH", 0.01)  # four views are enough
         result = client.calibrate(camera, licence="CC0-1.0", show=Listener(camera), keep=kept.append, **how)
@@ -71,12 +71,12 @@ def test_check_takes_three_glances_of_different_tilts(served: str, stack: Server
     until(lambda: Raw(stack).lookup(**asked).json["reason"] == "too_few")  # the consensus comes after
     camera = VirtualCamera(seed=3)
     listener = Listener(camera)
-    how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "show": listener, "clock": camera.clock}
+    how = {"label": LABEL, "platform": PLATFORM, "show": listener, "clock": camera.clock}
     with Client(served, TOKEN, cache=False) as client:
         # three glances, tilted as the words say
         tilts = iter(["tilt_top", "tilt_left", "tilt_bottom", "tilt_right"] * 9)
         take = listener.show
-        turn: list[str] = []
+        turn = []
 
         def obey(scene: Any) -> str:
             take(scene)

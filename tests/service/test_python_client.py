@@ -62,21 +62,6 @@ def test_asynchronous_twin_answers_the_same(served: str, known: dict[str, Any]) 
     assert yaml.safe_load(kalibr)["cam0"]["resolution"] == list(SIZE)
 
 
-def test_every_file_is_the_services(
-    stack: Server, served: str, known: dict[str, Any], tmp_path: Path
-) -> None:
-    with Client(served, TOKEN, cache=False) as client:
-        calibration = client.lookup(KEY).calibration
-        file = calibration.save(tmp_path / "camera.yaml", format="ros")
-    told = yaml.safe_load((tmp_path / "camera.yaml").read_bytes())
-    # as ROS's camera_calibration_parsers reads it
-    assert told["camera_matrix"]["data"] == calibration.camera_info()["k"]
-    assert told["distortion_coefficients"]["data"] == calibration.camera_info()["d"]
-    assert (told["image_width"], told["distortion_model"]) == (1280, "plumb_bob")
-    assert file.error == 0
-    assert file.content == Raw(stack).calibration(known["id"], "format=ros").body
-
-
 @pytest.mark.usefixtures("served")
 def test_lookup_command_prints_the_answer_of_the_api(known: dict[str, Any]) -> None:
     assert run(main, *LOOKUP, "--json").document == known

@@ -29,7 +29,7 @@ def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
 @contextmanager
 def writes(stack: Server, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """Yield the names of the threads that write within the block, the server's own excepted."""
-    seen: list[str] = []
+    seen = []
     database = stack.folder.database
     writing = database.writing
 

@@ -25,7 +25,6 @@ def small_plan() -> Iterator[None]:
 
 @pytest.fixture
 def client(stack: Server, store: Store, request: pytest.FixtureRequest) -> Client:
-    """A client with a token of the small plan, of its own for each test."""
     name = str(zlib.crc32(request.node.name.encode()))
     store.tokens.create(ApiToken(name, secret_hash("x"), plan="small"))
     return Client(stack, api_token=f"cdb_{name}_x")

@@ -97,7 +97,7 @@ def test_malformed_refit_is_kept_with_its_error(stack: Server) -> None:
 def test_failed_refit_is_retried(at_rest: Store) -> None:
     document = calibration("Broken down", 0)
     at_rest.calibrations.publish(document)
-    broken: list[bool] = []
+    broken = []
 
     def breaking(ids: list[str]) -> list[schema.CalibrationDocument]:
         if not broken:
@@ -152,7 +152,7 @@ def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest
     document = calibration("Impatient", 0)
     mode = mode_of(document)
     at_rest.calibrations.publish(document)
-    reads: list[int] = []
+    reads = []
     together = threading.Barrier(4, timeout=120)
 
     def read(ids: list[str]) -> list[schema.CalibrationDocument]:

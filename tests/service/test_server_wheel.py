@@ -18,7 +18,6 @@ NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "mangum", "moto")
 
 @pytest.fixture(scope="module")
 def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of programs of an environment with the wheel and the packages that it names."""
     root = tmp_path_factory.mktemp("server")
     wheel = wheels.build_server(root)
     assert wheel.name == f"calibdb_server-{__version__}-py3-none-any.whl"

@@ -2,7 +2,6 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -67,7 +66,7 @@ def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: 
         raise UnavailableError("Storage did not answer.")
 
     def broken(store: Store) -> Store:
-        part: Any = with_methods(getattr(store, noun), **{verb: fail})
+        part = with_methods(getattr(store, noun), **{verb: fail})
         return replace(store, **{noun: part})
 
     with override_service(broken):

@@ -47,7 +47,6 @@ def context(stack: Server) -> OpsContext:
 def fill(
     store: Store, count: int, given: Callable[[int], bool] = lambda _: True
 ) -> list[CalibrationDocument]:
-    """Calibrations of three cameras by different contributors; every seventh is withdrawn."""
     made = []
     for n in range(count):
         label = (C920, "Microsoft LifeCam HD-3000 (045e:0779)", "Anna's Webcam Z77")[n % 3]

@@ -39,7 +39,7 @@ def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
         put(store, stored)
     else:
         refresh(store, label)
-    overtaken: list[bool] = []
+    overtaken = []
 
     def slow(camera: str, names: Iterable[str], support: IdSupport | None) -> bool:
         if not overtaken:

@@ -43,7 +43,6 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(*command: str | Path, folder: Path) -> str:
-    """Output of a program with nothing of this checkout in its way."""
     variables = without_checkout(os.environ)
     done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -69,7 +68,6 @@ for program, *arguments in json.loads(sys.argv[1]):
 
 @pytest.fixture(scope="module")
 def calibrated(environment: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with photographs of a board, and the calibration that the installed command made of them."""
     folder = tmp_path_factory.mktemp("offline")
     board_pictures.write(folder / "photos", Board())
     command = ("calibrate", "photos", "--offline", "--json", "-o", "camera.json")

@@ -39,7 +39,6 @@ class Answer:
 
     @property
     def fields(self) -> list[str]:
-        """Names of the fields that a 422 refuses."""
         assert self.status == 422, self
         return [error["field"] for error in self.json["errors"]]
 
@@ -207,7 +206,6 @@ class Truth:
         return self.finish(client, max_views)
 
     def finish(self, client: Client, max_views: int = 12) -> Any:
-        """Go on with a guided capture, and return the state it ends in."""
         for _ in range(max_views):
             answer = self.show(client)
             if answer.json["status"] == "converged":

@@ -15,8 +15,6 @@ from infra.ops.__main__ import main
 
 @dataclass
 class Printed:
-    """Output of a command, and its complaints."""
-
     out: str
     err: str
 

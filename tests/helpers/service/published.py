@@ -116,6 +116,5 @@ def pooled(store: Store, document: schema.CalibrationDocument) -> Any:
 
 
 def stored(store: Store, document: schema.CalibrationDocument, model: str = "rectilinear") -> Any:
-    """Consensus of a calibration's mode as it is stored."""
     (found,) = (one for one in store.consensuses.at(mode_of(document)) if one.distortion_model == model)
     return found

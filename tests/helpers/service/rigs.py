@@ -55,7 +55,6 @@ class RigTruth:
         return {**CAMERA, "camera": f"Rig camera {position}", "board": board, **self.start}
 
     def open(self, **more: object) -> "RigTruth":
-        """Make the rig, of `more` facts, and let every camera join it."""
         leader = self.clients[0]
         assert leader.open(**self.request(0)).status == 201
         made = leader.call("POST", "/v1/rigs", {"cameras": self.count, **more})
@@ -67,7 +66,6 @@ class RigTruth:
         return self
 
     def join(self, position: int, **rig: object) -> Answer:
-        """Let a camera join, by the code unless told how."""
         wanted = rig or {"code": self.join_code, "position": position}
         return self.clients[position].open(**self.request(position), rig=wanted)
 
@@ -97,7 +95,6 @@ class RigTruth:
         return RigidMotion(r, place - r @ [self.squares[0] / 2, self.squares[1] / 2, 0])
 
     def see(self, position: int, pose: RigidMotion) -> tuple[list[int], list[list[float]]]:
-        """Return ids and points that a detector finds in the picture of a camera."""
         truth, pose = self.cameras[position], self.motions[position] @ pose
         is_behind = pose(truth.board)[:, 2] <= 0.5
         seen = zip(*truth.detect(rotation.vector(pose.r), pose.t), strict=True)

@@ -50,7 +50,7 @@ def storage_calls(stack: Server) -> Iterator[list[str]]:
     The development token has been read before, all labels and a miss have been reported.
     """
     stack.wait_until_idle(IDLE_S)
-    names: list[str] = []
+    names = []
 
     def record(operation: str, call: Callable[[], Any]) -> Any:
         names.append(operation)

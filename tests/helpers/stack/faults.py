@@ -88,8 +88,8 @@ def faulty(
 @contextmanager
 def stale() -> Iterator[list[str]]:
     """Reads that may be eventually consistent answer as they first did within the block."""
-    first: dict[tuple[str, bytes], Answer] = {}
-    met: list[str] = []
+    first = {}
+    met = []
 
     def handle(name: str, service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
         body = request.body if isinstance(request.body, bytes) else b"{}"
@@ -114,7 +114,7 @@ def denied(which: Callable[[int], bool], *, listing: bool = False) -> Iterator[l
     `listing`: it denies lists of the bucket, too.
     """
     lock = threading.Lock()
-    met: list[str] = []
+    met = []
 
     def handle(name: str, service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
         is_denied = listing and name == "s3" and operation.startswith("ListObjects")
@@ -131,7 +131,7 @@ def denied(which: Callable[[int], bool], *, listing: bool = False) -> Iterator[l
 @contextmanager
 def watched_requests(stack: LocalStack) -> Iterator[set[str]]:
     """Nothing goes wrong; yields the paths of the CORS preflights that the gateway is sent."""
-    met: set[str] = set()
+    met = set()
     handle = stack.gateway.handle
 
     def watching(request: Request) -> Response:

@@ -39,7 +39,7 @@ def environment_of(root: Path, *wheels: Path, startup: str = "") -> Path:
     python = scripts / "python"
     uv = Path(sys.executable).with_name("uv")
     if uv.exists():  # takes an eighth of pip's time
-        install: list[str | Path] = [uv, "pip", "install", "--python", python]
+        install = [uv, "pip", "install", "--python", python]
     else:
         install = [sys.executable, "-m", "pip", "--python", python, "install", "--no-compile"]
     subprocess.run([*install, "--quiet", "--no-index", "--no-deps", *wheels], check=True)
@@ -66,7 +66,7 @@ class LocalProcess:
         started = time.monotonic()
         self.log = self._data_dir.parent / f"{self._data_dir.name}.log"
         if self._program:
-            command: list[str | Path] = [self._program]
+            command = [self._program]
             variables = without_checkout(os.environ)
         else:
             command = [sys.executable, "-m", "infra.server"]

@@ -138,7 +138,7 @@ def test_view_of_an_older_moment_is_welcome(stack: Server) -> None:
 
 def test_views_of_two_cameras_at_once_are_both_taken(stack: Server) -> None:
     rig = RigTruth(stack, seed=3).open()
-    seen: list[list[Any]] = [[], []]
+    seen = [[], []]
     for n in range(3):
         assert rig.call("POST", "/moments", {"moment": f"m{n}"}).status == 201
         pose = rig.held()

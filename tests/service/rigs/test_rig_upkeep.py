@@ -30,7 +30,6 @@ def names(stack: Server, *prefixes: str) -> set[str]:
 
 
 def two_places(stack: Server, moments: int = 4) -> RigTruth:
-    """A rig whose second camera is somebody else's."""
     rig = RigTruth(stack, seed=3, address=HERE)
     rig.clients[1].address = THERE
     rig.open()
@@ -41,7 +40,6 @@ def two_places(stack: Server, moments: int = 4) -> RigTruth:
 
 @pytest.fixture(scope="module")
 def unpublished(stack: Server) -> RigTruth:
-    """A rig that was killed right after its document said that it had ended; nobody asks again."""
     rig = two_places(stack)
     rig.state()
     with crash_after(stack.storage, 2):  # the rig's object and item
