@@ -115,13 +115,11 @@ def test_guided_capture_asks_for_a_chessboard_whole(client: Client) -> None:
 @pytest.mark.parametrize(
     ("board", "field"),
     [
-        ({"kind": "circles"}, "board.kind"),
         ({"kind": "aprilgrid"}, "board.dictionary"),
         ({**APRILGRID, "squares": [1, 1]}, "board.squares"),
         ({**APRILGRID, "tag_spacing": 0}, "board.tag_spacing"),
         ({"kind": "chessboard", "squares": [2, 7]}, "board.squares.0"),
         ({**APRILGRID, "dictionary": "DICT_APRILTAG_36h10", "squares": [50, 50]}, "board.squares"),
-        ({"inverted": "yes"}, "board.inverted"),
     ],
 )
 def test_impossible_boards_are_refused_by_field(client: Client, board: dict[str, Any], field: str) -> None:

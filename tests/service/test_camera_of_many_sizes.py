@@ -21,10 +21,8 @@ def test_best_known_sizes_are_shown_by_two_reads_each(stack: Server) -> None:
     put(store(stack), consensus(fit(small), camera=CAMERA))
     put(store(stack), consensus(fit(often), camera=CAMERA, reason="too_few", calibrations=4))
     for n in range(98):
-        put(
-            store(stack),
-            consensus(fit((1280 + 16 * n, 720)), camera=CAMERA, reason="too_few", calibrations=1),
-        )
+        few = consensus(fit((1280 + 16 * n, 720)), camera=CAMERA, reason="too_few", calibrations=1)
+        put(store(stack), few)
     client, path = Client(stack), f"/v1/cameras/{camera_key(CAMERA, LINUX)}"
     client.lookup()  # the token is remembered from here on
     with storage_calls(stack) as asked:

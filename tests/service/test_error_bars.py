@@ -24,6 +24,7 @@ VIEWS = populations.views(LENS, np.random.default_rng(0), hand=hands.MOVING)
 
 
 def white_rms(calibration: Fitted) -> float:
+    """Expected error, px, if the noise of corners were white."""
     white = symmetric_inverse(calibration.information)
     return replace(calibration, covariance=white, inflation=1.0).uncertainty().rms
 

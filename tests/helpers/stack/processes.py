@@ -104,13 +104,7 @@ class LocalProcess:
         self.process.wait()
 
     def stop(self, timeout_s: float = 60) -> int:
-        """Ask it to end, what it computes included; return its exit status.
-
-        Raises
-        ------
-        AssertionError
-            If it goes on: what its threads do.
-        """
+        """Ask it to end; return its exit status. AssertionError: what its threads still do."""
         self.process.send_signal(signal.SIGTERM)
         try:
             return self.process.wait(timeout_s)
