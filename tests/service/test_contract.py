@@ -58,16 +58,6 @@ def test_session_accepts_every_field_of_the_contract(client: Client) -> None:
     assert client.pose().status == 200
 
 
-def test_the_pose_as_numbers(running: Client) -> None:
-    pose = running.pose()
-    assert pose.json.keys() == schema.Pose.model_fields.keys()
-    assert pose.json["index"] == 0
-    assert len(pose.json["ids"]) == len(pose.json["corners"]) >= 24
-    corners = np.array(pose.json["corners"])
-    assert (corners >= -0.5).all()
-    assert (corners <= [1279.5, 719.5]).all()
-
-
 @pytest.mark.parametrize(
     ("headers", "media_type"),
     [

@@ -86,11 +86,6 @@ class Killed:
     tokens: list[dict[str, Any]]
 
 
-def are_enough(tokens: list[dict[str, Any]]) -> bool:
-    """True if every token was rotated and named, and all of them often."""
-    return all(token.get("name") for token in tokens) and sum(token["secrets"] for token in tokens) >= 24
-
-
 @pytest.fixture(scope="module")
 def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
     data_dir = tmp_path_factory.mktemp("killed") / "data"
@@ -102,7 +97,11 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
             pool.submit(rotate_until_cut_off, server.url, token, used=n % 2 == 0)
             for n, token in enumerate(tokens)
         ]
-        while ledger.acknowledged < 60 or not are_enough(tokens):
+        while (
+            ledger.acknowledged < 60
+            or not all(token.get("name") for token in tokens)
+            or sum(token["secrets"] for token in tokens) < 24
+        ):
             time.sleep(0.005)
             for worker in workers:
                 assert not worker.done(), worker.result()

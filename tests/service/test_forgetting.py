@@ -6,9 +6,10 @@ from calibdb.schema import DISTORTION_MODELS
 from calibdb.store.keys import vote_object
 from infra.ops import withdrawal
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.commands import Operator
-from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store, views
+from tests.helpers.service.published import PLATFORM, calibration, publish, store, views
 from tests.helpers.service.strangers import context, standing_clock
 
 
@@ -45,7 +46,7 @@ def test_forgetting_covers_revoked_tokens(operator: Operator) -> None:
         assert not store(stack).tokens.get(of_token.removeprefix("TOKEN#"))
         more = {key for key in items - before[1] if not key[0].startswith("REFIT#")}
         assert {(pk, sk.count("#")) for pk, sk in more} == {(of_token, 1)}
-        (left,) = (c for c in store(stack).consensuses.at(mode_of(others)) if c.distortion_model == "fisheye")
+        left = published.stored(store(stack), others, "fisheye")
         assert (left.total, left.votes.agree) == (1, 0)
 
 
@@ -61,9 +62,7 @@ def test_forgotten_vote_under_an_earlier_key_recomputes_the_consensus() -> None:
         operator.objects.purge_all_versions([vote_object(vote.camera_key, vote.id)])
         store(stack).votes.cast(vote.model_copy(update={"camera_key": earlier}))
         assert withdrawal.forget(operator, {vote.contributor}).votes == 1
-        (left,) = (
-            c for c in store(stack).consensuses.at(mode_of(document)) if c.distortion_model == "rectilinear"
-        )
+        left = published.stored(store(stack), document)
         assert (left.total, left.votes.agree) == (1, 0)
 
 

@@ -5,9 +5,8 @@ from typing import Any
 import pytest
 
 from calibdb.dump.public_copy import public_copy
-from calibdb.schema import CalibrationDocument
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
-from tests.helpers.service.published import calibration, store
+from tests.helpers.service.published import store
 
 JOBS = False
 
@@ -37,11 +36,6 @@ def test_licence_is_stored_with_session_calibration_and_export(client: Client) -
 
 def consent(of: Any) -> dict[str, Any]:
     return {name: of[name] for name in CONSENT}
-
-
-def test_document_without_licence_is_read() -> None:
-    document = calibration("webcam Z77", 0).model_dump_json(exclude=set(CONSENT))
-    assert CalibrationDocument.model_validate_json(document).consent == {}
 
 
 def test_other_consent_is_another_session(client: Client) -> None:

@@ -54,7 +54,6 @@ def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
     assert list(answer) == [name for name in schema.LookupAnswer.model_fields if name != "estimate"]
     assert {name: answer[name] for name in CAMERA} == CAMERA
     assert (answer["calibrations"], answer["reliable"], answer["exact_size"]) == (5, True, True)
-    assert len(answer["distortion_coefficients"]) == 5
     assert abs(answer["camera_matrix"][0][0] - 950) < 1
     assert 0 < answer["uncertainty"]["rms"] <= answer["uncertainty"]["max"] < 0.3
     assert abs(answer["calibration_time"] - time.time()) < 600

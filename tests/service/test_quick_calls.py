@@ -7,12 +7,11 @@ from typing import Any
 
 import pytest
 
-from calibdb.camera_key import camera_key
 from calibdb.service import Service
 from calibdb.store.refit import Refit
 from infra.server.server import Server
 from tests.helpers.service.client import Client
-from tests.helpers.service.published import PLATFORM, calibration, publish, store
+from tests.helpers.service.published import PLATFORM, calibration, publish, store, stored
 
 CAMERA = "Known by all (046d:0825)"
 
@@ -71,11 +70,7 @@ def test_lookup_that_computes_runs_in_a_thread_and_counts_once(
 
     monkeypatch.setattr(Refit, "now", now)
     monkeypatch.setattr(Service, "count_lookup", count_lookup)
-    (fisheye,) = (
-        each
-        for each in store(stack).consensuses.of(camera_key(CAMERA, PLATFORM))
-        if each.distortion_model == "fisheye"
-    )
+    fisheye = stored(store(stack), calibration(CAMERA, 0), "fisheye")
     assert store(stack).consensuses.drop(fisheye)
     answer = Client(stack).lookup(camera=CAMERA, platform=PLATFORM, distortion_model="fisheye")
     assert answer.status == 200
