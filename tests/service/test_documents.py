@@ -53,7 +53,6 @@ class Site:
     """A running stack that knows the camera of the examples, and what samples have finished by call."""
 
     stack: Server
-    url: str
     finished: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def prepare_call(self, name: str, values: dict[str, str]) -> None:
@@ -72,13 +71,13 @@ def site() -> Iterator[Site]:
     with (
         pytest.MonkeyPatch.context() as patch,
         Server(environment={"NEW_TOKENS": "100"}) as stack,
-        stack.serve() as url,
+        stack.serve(),
     ):
         patch.setattr(recorded_examples, "_poses", lambda: four)
         publish(stack, *(calibration(EXAMPLE_CAMERA, n) for n in range(CALIBRATIONS)))
         assert Client(stack).lookup(camera=EXAMPLE_CAMERA).status == 200
         stack.wait_until_idle(60)  # its label is an alias from here on
-        yield Site(stack, url)
+        yield Site(stack)
 
 
 def run(command: list[str], code: str, folder: Path | None = None) -> str:
@@ -140,7 +139,7 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
         run_sample = {language: stack.enter_context(runner(language)) for language in languages.split()}
         for call, language in zip(calls(), itertools.cycle(run_sample), strict=False):
             site.prepare_call(call.name, values)
-            code = fill_in(samples(call)[language], values).replace(SITE, site.url)
+            code = fill_in(samples(call)[language], values).replace(SITE, site.stack.url)
             status, body = run_sample[language](code)
             assert status in (None, expected[call.name]), (call.name, body)
             example = EXAMPLES[call.name]
@@ -158,7 +157,7 @@ def code_of(source: str, language: str) -> list[str]:
 
 @pytest.mark.parametrize("source", SHELL)
 def test_commands_of_a_document_run_one_after_the_other(site: Site, source: str, tmp_path: Path) -> None:
-    code = CURL + "\n".join(code_of(source, "sh")).replace(SITE, site.url)
+    code = CURL + "\n".join(code_of(source, "sh")).replace(SITE, site.stack.url)
     run(["bash", "-euo", "pipefail"], code, tmp_path)
 
 
@@ -207,12 +206,12 @@ def test_python_of_a_document_runs(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("calibdb_client.open_camera", lambda *_, **__: FakeCamera())
     monkeypatch.setattr(session, "chosen_model", lambda *_: ("rectilinear", None))
-    monkeypatch.setenv("CALIBDB_URL", site.url)
+    monkeypatch.setenv("CALIBDB_URL", site.stack.url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
     monkeypatch.setattr("calibdb_client.pictures.recognise_board", lambda *_: board)
     write(tmp_path / "photos", board, count=5)
     for code in code_of(source, "python"):
-        run_python(code.replace(SITE, site.url))
+        run_python(code.replace(SITE, site.stack.url))
     assert "image_width: 1280" in (tmp_path / "camera.yaml").read_text()
