@@ -100,9 +100,8 @@ def test_a_session_id_signed_with_another_secret_is_refused(client: Client) -> N
 
 
 def test_get_lookup_takes_the_token_in_its_query(client: Client) -> None:
-    for name in ("key", "api_key"):
-        assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&{name}={TOKEN}").status == 307
-        assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&{name}=cdb_dev_x").status == 403
+    for token, status in ((TOKEN, 307), ("cdb_dev_x", 403)):
+        assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&key={token}").status == status
 
 
 def test_a_page_of_another_origin_is_refused(store: Store, client: Client) -> None:

@@ -50,13 +50,13 @@ PYTHON = ("docs/python.md", "clients/python/README.md", "README.md")
 
 @dataclass
 class Site:
-    """A running stack that knows the camera of the examples, and what samples have finished by call."""
+    """A stack that knows the camera of the examples, and what samples have finished by call."""
 
     stack: Server
     finished: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def prepare_call(self, name: str, values: dict[str, str]) -> None:
-        """As `recorded_examples.prepare_call`; what one language finished, the others finish again."""
+        """What one language finished, the others finish again."""
         known = dict(self.finished.get(name, {}))
         if not known:
             recorded_examples.prepare_call(self.stack, name, known)

@@ -69,7 +69,7 @@ def convert(client: Client, file: str | bytes, **more: object) -> Answer:
 
 
 def processor_s(client: Client, file: str) -> float:
-    """Processor time of one conversion; of two, if the first is near the bound, the shorter."""
+    """Processor time of a conversion; the shorter of two if the first is near the bound."""
     times = []
     while not times or (times[-1] > MAX_S / 2 and len(times) < 2):
         begun = time.process_time()

@@ -47,7 +47,6 @@ def test_every_part_is_checked_with_its_latency(client: Client) -> None:
     assert (body["status"], body["canary"]) == ("ok", None)
     assert [part["part"] for part in body["parts"]] == PARTS
     assert all(0 <= part["latency_ms"] <= part["limit_ms"] for part in body["parts"])
-    assert abs(body["checked_at"] - time.time()) < 60
     assert sum(part["limit_ms"] for part in body["parts"]) <= 20_000  # of the gateway's 30 s
 
 

@@ -66,7 +66,6 @@ def test_other_forms_of_an_address_are_unknown(stack: Server) -> None:
     posted(stack)
     for path in (
         PATH.replace("1280x720", "01280x720"),
-        PATH.replace("/0/", "/0.0/"),
         PATH.replace("rectilinear.json", "rectilinear"),
         PATH.replace("rectilinear", "none"),
         PATH.replace(DIGEST, DIGEST.upper()),

@@ -13,7 +13,7 @@ from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import calibration, publish
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", autouse=True)
 def known(stack: Server) -> list[Any]:
     publish(stack, *(calibration(str(CAMERA["camera"]), n, views=5) for n in range(4)))
     before = Client(stack).lookup()
@@ -59,36 +59,35 @@ def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
     assert abs(answer["calibration_time"] - time.time()) < 600
 
 
-@pytest.mark.usefixtures("known")
-class TestLookup:
-    def test_get_answers_like_post_and_may_be_cached_for_a_moment(self, client: Client) -> None:
-        query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
-        answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
-        assert answer.json == client.lookup().json
-        assert answer.headers["cache-control"] == "public, max-age=20"
+def test_get_answers_like_post_and_may_be_cached_for_a_moment(client: Client) -> None:
+    query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
+    answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
+    assert answer.json == client.lookup().json
+    assert answer.headers["cache-control"] == "public, max-age=20"
 
-    def test_the_older_public_clients_spellings(self, client: Client) -> None:
-        asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}
-        answer = client.call("POST", "/v1/lookup", {**asked, "zoom": 0, "api_key": TOKEN}, token="")
-        assert answer.json == client.lookup().json
-        query = "camera=Test+camera&userAgent=X11;%20Linux%20x86_64&imsize=1280x720&api_key=cdb_dev_local"
-        assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
 
-    def test_missing_model_is_computed_from_keypoints(self, stack: Server, client: Client) -> None:
-        before = client.lookup(distortion_model="fisheye").json
-        key = before["id"].partition("~")[0]
-        place = f"CAMERA#{key}", "CONSENSUS#1280x720#0#fisheye"
-        stack.storage.table.delete(*place)
-        answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
-        assert answer.status == 200
-        assert answer.json == {**before, "exact_size": False}
-        assert len(answer.json["distortion_coefficients"]) == 4
-        assert stack.storage.table.get(*place) is not None
+def test_the_older_public_clients_spellings(client: Client) -> None:
+    asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}
+    answer = client.call("POST", "/v1/lookup", {**asked, "zoom": 0, "api_key": TOKEN}, token="")
+    assert answer.json == client.lookup().json
+    query = "camera=Test+camera&userAgent=X11;%20Linux%20x86_64&imsize=1280x720&api_key=cdb_dev_local"
+    assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
 
-    def test_answered_consensus_is_found_by_its_id(self, client: Client, known: list[Any]) -> None:
-        for expected in (client.lookup().json, known[1]["calibration"]):
-            found = client.calibration(expected["id"]).json
-            of_both = expected.keys() & found.keys()
-            assert of_both == schema.Calibration.model_fields.keys()
-            assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
-            assert client.calibration(expected["id"], "format=calibdb").json == found
+
+def test_missing_model_is_computed_from_keypoints(stack: Server, client: Client) -> None:
+    before = client.lookup(distortion_model="fisheye").json
+    key = before["id"].partition("~")[0]
+    place = f"CAMERA#{key}", "CONSENSUS#1280x720#0#fisheye"
+    stack.storage.table.delete(*place)
+    answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
+    assert answer.json == {**before, "exact_size": False}
+    assert stack.storage.table.get(*place) is not None
+
+
+def test_answered_consensus_is_found_by_its_id(client: Client, known: list[Any]) -> None:
+    for expected in (client.lookup().json, known[1]["calibration"]):
+        found = client.calibration(expected["id"]).json
+        of_both = expected.keys() & found.keys()
+        assert of_both == schema.Calibration.model_fields.keys()
+        assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
+        assert client.calibration(expected["id"], "format=calibdb").json == found

@@ -76,11 +76,9 @@ def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
 
 
 def test_forgetting_a_contributor_takes_their_rigs(stack: Server, context: OpsContext) -> None:
-    before = names(stack, "rigs/", "rig_calibrations/")
     finished, running = two_places(stack), two_places(stack, moments=1)
     result = finished.call("POST", "/finish").json["result"]
     gone = contributor(context.settings.contributor_secret, THERE, "dev")
-    assert gone in withdrawal._contributors(context)
     counted = withdrawal.forget(context, {gone}, dry_run=True)
     done = withdrawal.forget(context, {gone})
     assert done == counted
@@ -94,4 +92,3 @@ def test_forgetting_a_contributor_takes_their_rigs(stack: Server, context: OpsCo
     assert client.calibration(own).status == 200, "somebody else's"
     assert client.calibration(others).status == 404
     assert gone not in withdrawal._contributors(context)
-    assert left <= before
