@@ -56,7 +56,7 @@ class Site:
     finished: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def prepare_call(self, name: str, values: dict[str, str]) -> None:
-        """What one language finished, the others finish again."""
+        # What one language finished, the others finish again.
         known = dict(self.finished.get(name, {}))
         if not known:
             recorded_examples.prepare_call(self.stack, name, known)
