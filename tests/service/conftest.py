@@ -3,6 +3,7 @@
 import functools
 import ssl
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import typer.main
@@ -11,6 +12,8 @@ from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.commands import Operator
+from tests.helpers.service.rigs import RigTruth
 from tests.helpers.solver.computed_once import computed_once
 
 
@@ -24,7 +27,6 @@ def certificates() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def commands() -> Iterator[None]:
-    """The operator's commands, made of their functions once."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(typer.main, "get_command", functools.cache(typer.main.get_command))
         yield
@@ -49,20 +51,17 @@ def stack(request: pytest.FixtureRequest) -> Iterator[Server]:
 
 @pytest.fixture(scope="module")
 def store(stack: Server) -> Store:
-    """Storage of the server."""
     return published.store(stack)
 
 
 @pytest.fixture(scope="module")
 def url(stack: Server) -> Iterator[str]:
-    """Address of the server, while it listens."""
     with stack.serve() as url:
         yield url
 
 
 @pytest.fixture
 def served(url: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Address of the server, which the command of the Python client takes from the environment."""
     monkeypatch.setenv("CALIBDB_URL", url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     return url
@@ -75,6 +74,20 @@ def client(stack: Server) -> Client:
 
 @pytest.fixture
 def running(client: Client) -> Client:
-    """A client with a session of its own."""
     assert client.open().status == 201
     return client
+
+
+@pytest.fixture
+def operator(tmp_path: Path) -> Operator:
+    return Operator(tmp_path / "data")
+
+
+@pytest.fixture(scope="module")
+def finished_rig(stack: Server) -> RigTruth:
+    rig = RigTruth(stack, seed=3).open()
+    for moment in range(4):
+        rig.moment(f"m{moment}")
+    ended = rig.call("POST", "/finish")
+    assert ended.status == 200, ended.body
+    return rig

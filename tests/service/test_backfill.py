@@ -9,71 +9,60 @@ import pytest
 
 from calibdb import schema
 from infra.deploy.template import parse
-from infra.ops.__main__ import main
 from infra.server import jobs
 from infra.server.server import Server
 from tests.helpers.service import iam
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration, publish, store
 
 ROOT = Path(__file__).parents[2]
 CAMERAS = ("Backfilled one", "Backfilled two")
 MODELS = set(schema.DISTORTION_MODELS)
+EVERYTHING = {(CAMERAS[0], 0.0): MODELS, (CAMERAS[1], 0.0): MODELS, (CAMERAS[1], 2.0): MODELS}
 
 
 @pytest.fixture
-def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A stack's folder, left by a version that knew one model: two cameras, one of them at two sizes."""
-    folder = tmp_path / "data"
-    monkeypatch.setenv("DATA_DIR", str(folder))
-    with Server(folder) as stack:
+def operator(tmp_path: Path) -> Operator:
+    operator = Operator(tmp_path / "data")
+    with Server(operator.folder) as stack:
         for camera in CAMERAS:
             documents = [calibration(camera, n) for n in range(2)]
             publish(stack, *documents)
         document = documents[-1]
         other_zoom = document.model_copy(update={"zoom": 2.0, "id": document.id[:-4] + "ffff"})
         store(stack).calibrations.publish(other_zoom)
-    return folder
+    return operator
 
 
 @pytest.fixture
-def stack(data_dir: Path) -> Iterator[Server]:
-    with Server(data_dir) as stack:
+def stack(operator: Operator) -> Iterator[Server]:
+    with Server(operator.folder) as stack:
         yield stack
 
 
 def known(stack: Server) -> dict[tuple[str, float], set[str]]:
-    found: dict[tuple[str, float], set[str]] = {}
+    found = {}
     for camera in CAMERAS:
         for c in store(stack).consensuses.of(calibration(camera, 0).camera_key):
             found.setdefault((camera, c.zoom), set()).add(c.distortion_model)
     return found
 
 
-def everything() -> dict[tuple[str, float], set[str]]:
-    return {**{(camera, 0.0): MODELS for camera in CAMERAS}, (CAMERAS[-1], 2.0): MODELS}
+def test_backfill_command_fills_the_table(operator: Operator) -> None:
+    assert f"3 modes of cameras checked, {2 * 3 + 4} consensuses computed" in operator("backfill")
+    with Server(operator.folder) as stack:
+        assert known(stack) == EVERYTHING
+    assert "3 modes of cameras checked, 0 consensuses computed" in operator("backfill")
 
 
-def test_backfill_command_fills_the_table(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["backfill"]) == 0
-    said = capsys.readouterr().out
-    assert f"3 modes of cameras checked, {2 * 3 + 4} consensuses computed" in said
-    with Server(data_dir) as stack:
-        assert known(stack) == everything()
-    assert main(["backfill"]) == 0
-    assert "3 modes of cameras checked, 0 consensuses computed" in capsys.readouterr().out
-
-
-@pytest.mark.usefixtures("data_dir")
-def test_stopped_backfill_continues(capsys: pytest.CaptureFixture[str]) -> None:
+def test_stopped_backfill_continues(operator: Operator) -> None:
     first, other = sorted(calibration(camera, 0).camera_key for camera in CAMERAS)
-    assert main(["backfill", "--after", first]) == 0
-    said = capsys.readouterr().out
-    assert first not in said
-    assert other in said
+    printed = operator("backfill", "--after", first)
+    assert first not in printed
+    assert other in printed
 
 
 def test_state_machine_backfills_every_object(stack: Server) -> None:
-    """Its states, interpreted here as Step Functions would: list, batch, name the modes, compute each."""
     definition = iam.definition(parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"])
     outer = definition["States"][definition["StartAt"]]
     assert outer["ItemReader"]["Resource"].endswith(":s3:listObjectsV2")
@@ -92,7 +81,7 @@ def test_state_machine_backfills_every_object(stack: Server) -> None:
         found = invoke("backfill", {"Items": items[start : start + size]})
         for request in found["requests"]:
             invoke("refit", request)
-    assert known(stack) == everything()
+    assert known(stack) == EVERYTHING
     functions = {first["Parameters"]["FunctionName"], refit["Parameters"]["FunctionName"]}
     assert functions == {"${Backfill}", "${Refit}"}
 
@@ -117,21 +106,16 @@ def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: Server) ->
     assert invoke("backfill", {"Items": []}) == {"requests": []}
 
 
-# ---------------------------------------------------------------- limits of the state machine
-
 MAX_PAYLOAD_BYTES = 256 * 1024  # of a state's input and output; AWS Step Functions developer guide, "Quotas"
 
 
 def test_payloads_of_a_large_backfill_stay_within_the_limits() -> None:
     """The results of all children together are the map's output; so each child's are nothing."""
     machine = json.loads((ROOT / "infra/backfill.asl.json").read_text())["States"]["EveryCalibration"]
-    states = machine["ItemProcessor"]["States"]
-    assert states["EveryMode"]["End"]
-    assert states["EveryMode"]["ResultSelector"] == {}
-    assert "ResultPath" not in states["EveryMode"]  # null would make the input, all requests, the output
-    children = 10_000  # of a thousand calibrations each
-    assert len(json.dumps([{}] * children)) < MAX_PAYLOAD_BYTES
-    # What a child is handed: names and sizes as the list of the bucket gives them.
+    last = machine["ItemProcessor"]["States"]["EveryMode"]
+    assert last["End"]
+    assert last["ResultSelector"] == {}
+    assert "ResultPath" not in last  # null would make the input, all requests, the output
     batch = machine["ItemBatcher"]
     assert batch["MaxInputBytesPerBatch"] < MAX_PAYLOAD_BYTES
     # What the function answers of a batch: at most a request for each of its calibrations.

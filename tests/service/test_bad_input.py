@@ -6,20 +6,15 @@ from typing import Any
 import pytest
 
 from infra.server.server import Server
-from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth
-from tests.helpers.service.in_process import request
+from tests.helpers.service.client import CAMERA, Client, Truth
 
 MISSING = object()
 MALFORMED = [
     b"",
-    b"{",
-    b"nonsense",
     b'{"camera": "a",}',
-    b'{"index": 0, "ids": [0], "points": [[1, 1]]',
     b"\xff\xfe{}",
     b'{"camera": "\\ud800"}',
     b"[" * 100_000,
-    b"1" * 10_000 + b",",
     b'{"a":' * 5_000 + b"1" + b"}" * 5_000,
 ]
 # field changed, its value, and the field that the answer must name
@@ -28,24 +23,17 @@ IN_A_SESSION: list[tuple[str, Any, str]] = [
     ("camera", 5, "camera"),
     ("camera", "   ", "camera"),
     ("platform", "x" * 257, "platform"),
-    ("img_size", MISSING, "img_size"),
     ("img_size", [0, 720], "img_size.0"),
-    ("img_size", [100_000, 720], "img_size.0"),
     ("img_size", [16384, 16384], "img_size"),  # more than a picture of the pose could show
     ("img_size", [64, 4096], "img_size"),  # no camera's
     ("img_size", [True, 720], "img_size.0"),
-    ("img_size", [1280], "img_size.1"),
-    ("img_size", "1280by720", "img_size"),
     ("img_size", [10**400, 720], "img_size.0"),
-    ("zoom", -1, "zoom"),
     ("zoom", float("nan"), "zoom"),
     ("distortion_model", "pinhole", "distortion_model"),
     ("board", "9x6", "board"),
     ("board", {"squares": [9, 2]}, "board.squares.1"),  # one row of corners
     ("board", {"squares": [3, 3]}, "board.squares"),  # four corners, too few for any view
-    ("board", {"squares": [51, 6]}, "board.squares.0"),
     ("board", {"marker_ratio": float("nan")}, "board.marker_ratio"),
-    ("board", {"dictionary": "DICT_4X4_51"}, "board.dictionary"),
     ("board", {"squares": [12, 9]}, "board.dictionary"),  # 54 markers of a dictionary of 50
     ("guidance", "random", "guidance"),
     ("target_error", float("inf"), "target_error"),
@@ -56,18 +44,13 @@ IN_A_SESSION: list[tuple[str, Any, str]] = [
 GRID = [[100.0 + 90 * (i % 8), 100.0 + 90 * (i // 8)] for i in range(40)]
 IN_A_VIEW: list[tuple[str, Any, str]] = [
     ("index", MISSING, "index"),
-    ("index", -1, "index"),
     ("index", 10**30, "index"),
-    ("ids", MISSING, "ids"),
     ("ids", [*range(39), 40], "ids.39"),  # the board has 0 to 39
     ("ids", [*range(39), 38], "ids"),
     ("ids", list(range(39)), "points"),
     ("ids", list(range(10_000)), "ids"),
-    ("points", MISSING, "points"),
-    ("points", [[1.0, 1.0]] * 10_000, "points"),
     ("points", [*GRID[:39], [float("nan"), 1]], "points.39.0"),
     ("points", [*GRID[:39], [1279.6, 1]], "points.39"),
-    ("points", [*GRID[:39], [1e300, 1]], "points.39.0"),
     ("points", [*GRID[:39], [1]], "points.39"),
     ("points", [*GRID[:39], ["1", "2"]], "points.39.0"),
     ("view", 0, "view"),
@@ -94,25 +77,21 @@ def guided(stack: Server) -> Iterator[Client]:
 PATHS = ("/v1/session", "/v1/session/views", "/v1/lookup")
 
 
-def send(client: Client, path: str, body: bytes) -> Answer:
-    return client.call("POST", path, body, token=TOKEN if path == "/v1/lookup" else None)
-
-
 @pytest.mark.parametrize("body", MALFORMED, ids=range(len(MALFORMED)))
 def test_malformed_json(guided: Client, body: bytes) -> None:
-    assert send(guided, "/v1/session/views", body).status == 400
+    assert guided.call("POST", "/v1/session/views", body).status == 400
 
 
 @pytest.mark.parametrize("path", PATHS)
 def test_json_other_than_an_object(guided: Client, path: str) -> None:
-    assert send(guided, path, b"{").status == 400
-    for body in (b"[]", b'"text"', b"null"):
-        assert send(guided, path, body).fields == ["body"]
+    assert guided.call("POST", path, b"{").status == 400
+    for body in (b"[]", b"null"):
+        assert guided.call("POST", path, body).fields == ["body"]
 
 
 @pytest.mark.parametrize("path", PATHS)
 def test_a_body_too_large(guided: Client, path: str) -> None:
-    assert send(guided, path, b'{"camera": "' + b"x" * 1_000_000 + b'"}').status == 413
+    assert guided.call("POST", path, b'{"camera": "' + b"x" * 1_000_000 + b'"}').status == 413
 
 
 @pytest.mark.parametrize(("field", "value", "name"), IN_A_SESSION)
@@ -134,18 +113,14 @@ def test_view(guided: Client, field: str, value: Any, name: str) -> None:
     ("query", "name"),
     [
         ("", "camera"),
-        ("platform=X11&img_size=1280x720", "camera"),
-        ("camera=a&img_size=1280x720", "platform"),
-        ("camera=a&platform=X11", "img_size"),
         ("camera=a&platform=X11&img_size=0x720", "img_size.0"),
         ("camera=a&platform=X11&img_size=1280x720&zoom=1e999", "zoom"),
-        ("camera=a&platform=X11&img_size=1280x720&distortion_model=x", "distortion_model"),
         ("camera=a&platform=X11&img_size=1280x720&redirect=maybe", "redirect"),
         ("camera=%00%ff&platform=X11&img_size=", "img_size"),
     ],
 )
 def test_lookup_by_get(client: Client, query: str, name: str) -> None:
-    assert name in client.call("GET", "/v1/lookup", token=TOKEN, query=query).fields
+    assert name in client.call("GET", "/v1/lookup", query=query).fields
 
 
 @pytest.mark.parametrize("skip", ["2", ""])
@@ -159,32 +134,16 @@ def test_undo(guided: Client, index: str) -> None:
 
 
 def test_undo_of_an_unknown_view(guided: Client) -> None:
-    assert guided.call("DELETE", "/v1/session/views/1").status == 404
     assert guided.call("DELETE", "/v1/session/views/77").status == 404
-
-
-@pytest.mark.parametrize("calibration", ["..", "c1-a-0123456789ab-0123456789abcdef0123", "%00"])
-def test_unknown_calibration(client: Client, calibration: str) -> None:
-    assert client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).status == 404
-
-
-def test_unknown_export_format(client: Client) -> None:
-    path = "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123"
-    assert client.call("GET", path, token=TOKEN, query="format=matlab").fields == ["format"]
 
 
 def test_calls_before_the_start_of_the_session(client: Client) -> None:
     client.authenticate()
     assert client.call("GET", "/v1/session").status == 404
-    assert client.call("DELETE", "/v1/session").status == 404
+    assert client.forget().status == 404
     assert client.pose().status == 404
     assert client.view(0, [0], [[1, 1]]).status == 404
     assert client.call("DELETE", "/v1/session/views/0").status == 404
-
-
-def test_malformed_host_header_is_misdirected(stack: Server) -> None:
-    for host, status in {"a:b:c": 421, "[::1]:8000": 200, ":": 421, "x:port": 421}.items():
-        assert request(stack, "GET", "/healthz", headers={"host": host}).status == status
 
 
 def test_whole_numbers_may_be_written_with_a_point(client: Client) -> None:
@@ -205,8 +164,7 @@ def test_wrong_field_is_not_reported_missing(guided: Client) -> None:
 
 
 def test_problem_names_the_first_wrong_fields(guided: Client) -> None:
-    answer = guided.view(1, list(range(40)), [[5000.0, 5000.0]] * 40)
-    assert len(answer.fields) == 20
+    assert len(guided.view(1, list(range(40)), [[5000.0, 5000.0]] * 40).fields) == 20
 
 
 @pytest.mark.parametrize(
@@ -222,11 +180,7 @@ def test_problem_names_the_first_wrong_fields(guided: Client) -> None:
 def test_error_names_the_constraint_without_internals(
     client: Client, path: str, query: str, says: str
 ) -> None:
-    answer = client.call("GET", path, token=TOKEN, query=query)
-    assert answer.status == 422
-    (error,) = answer.json["errors"]
+    (error,) = client.call("GET", path, query=query).json["errors"]
     assert says in error["detail"]
-    assert "Value error" not in error["detail"]
-    assert "int()" not in error["detail"]
-    assert "Tuple" not in error["detail"]
-    assert "after validation" not in error["detail"]
+    for internal in ("Value error", "int()", "Tuple", "after validation"):
+        assert internal not in error["detail"]

@@ -1,4 +1,4 @@
-"""Several views of a recorded session in one request: each has a result, and a wrong field refuses all."""
+"""Several views of a recorded session in one request."""
 
 from typing import Any
 
@@ -15,7 +15,6 @@ Corners = dict[str, Any]
 
 @pytest.fixture(scope="module")
 def corners() -> list[Corners]:
-    """Eight views of one camera."""
     truth, rng = Truth(), np.random.default_rng(0)
     views = []
     for turn in range(8):
@@ -35,10 +34,6 @@ def send(client: Client, views: list[Corners], index: int = 0) -> Answer:
     return client.call("POST", "/v1/session/batch", {"index": index, "views": views})
 
 
-def kind(answer: Answer) -> tuple[int, str]:
-    return answer.status, answer.kind
-
-
 def mirrored(view: Corners) -> Corners:
     return {**view, "points": [[1279 - x, y] for x, y in view["points"]]}
 
@@ -54,7 +49,7 @@ def test_batch_gives_the_results_and_the_camera_of_single_views(
         answer = client.view(taken, view["ids"], view["points"]).json
         taken += answer["accepted"]
         single.append((answer["accepted"], answer["reason"]))
-    one_by_one = client.call("POST", "/v1/session/finish").json
+    one_by_one = client.finish().json
     client.open(camera="One by one", capture="recorded")
     answer = send(client, mixed).json
     assert [(result["accepted"], result["reason"]) for result in answer["results"]] == single
@@ -63,10 +58,8 @@ def test_batch_gives_the_results_and_the_camera_of_single_views(
     errors = [result["error"] for result in answer["results"] if result["error"] is not None]
     assert errors[-1] == answer["uncertainty"]["rms"] < errors[0]
     assert len(answer["views"]) == 8
-    ended = client.call("POST", "/v1/session/finish").json
-    assert np.allclose(
-        ended["calibration"]["camera_matrix"], one_by_one["calibration"]["camera_matrix"], atol=0.01
-    )
+    matrices = [state["calibration"]["camera_matrix"] for state in (client.finish().json, one_by_one)]
+    assert np.allclose(*matrices, atol=0.01)
 
 
 def test_repeated_batch_adds_nothing_and_returns_the_same_indices(
@@ -77,21 +70,17 @@ def test_repeated_batch_adds_nothing_and_returns_the_same_indices(
     reordered = [{"ids": view["ids"][::-1], "points": view["points"][::-1]} for view in corners[:5]]
     assert send(recorded, reordered).json["results"] == first.json["results"]
     more = send(recorded, corners[3:], index=5).json
-    assert [result["index"] for result in more["results"]] == [5, 6, 7, 8, 9], (
-        "a new batch, not a repeated one"
-    )
-    assert kind(send(recorded, corners[:1], index=11)) == (409, "index-not-open")
+    assert [result["index"] for result in more["results"]] == [5, 6, 7, 8, 9], "it is not a repeated one"
+    assert send(recorded, corners[:1], index=11).problem == (409, "index-not-open")
     assert recorded.call("DELETE", "/v1/session/views/9").status == 200
-    assert kind(send(recorded, corners[3:], index=5)) == (409, "index-not-open"), (
-        "an undone view stays undone"
-    )
+    assert send(recorded, corners[3:], index=5).problem == (409, "index-not-open"), "it stays undone"
 
 
 def test_finished_session_repeats_results_and_takes_no_more(recorded: Client, corners: list[Corners]) -> None:
     first = send(recorded, corners[:5]).json["results"]
-    assert recorded.call("POST", "/v1/session/finish").status == 200
+    assert recorded.finish().status == 200
     assert send(recorded, corners[:5]).json["results"] == first
-    assert kind(send(recorded, corners, index=0)) == (409, "converged")
+    assert send(recorded, corners, index=0).problem == (409, "converged")
 
 
 def test_wrong_views_are_named_each_once_and_nothing_is_judged(
@@ -101,10 +90,8 @@ def test_wrong_views_are_named_each_once_and_nothing_is_judged(
     unknown = {**corners[3], "ids": [900 + i for i in corners[3]["ids"]]}
     wrong = send(recorded, [corners[0], outside, corners[2], unknown]).fields
     assert wrong == ["views.1.points.0", "views.3.ids.0"]
-    negative = {**corners[1], "points": [[-5, 10]] * len(corners[1]["ids"])}
     short = {**corners[1], "points": corners[1]["points"][:-1]}
-    assert send(recorded, [negative, corners[0], short]).fields == ["views.0.points.0.0", "views.2.points"]
-    assert send(recorded, []).status == 422
+    assert send(recorded, [corners[0], short]).fields == ["views.1.points"]
     assert send(recorded, [corners[0]] * 201).status == 422
     assert recorded.state()["views"] == []
 
@@ -113,25 +100,24 @@ def test_session_of_batches_has_the_limits_of_single_views(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("calibdb.rules.session_rules.MAX_RECORDED_VIEWS", 6)
-    assert kind(send(recorded, corners)) == (409, "session-full")
+    assert send(recorded, corners).problem == (409, "session-full")
     assert recorded.state()["views"] == []
     assert send(recorded, corners[:6]).status == 200
-    assert kind(send(recorded, corners[6:], index=6)) == (409, "session-full")
+    assert send(recorded, corners[6:], index=6).problem == (409, "session-full")
     monkeypatch.setattr("calibdb.rules.session_rules.MAX_POINTS", 100)
-    assert kind(send(recorded, corners[6:], index=6)) == (409, "session-full")
+    assert send(recorded, corners[6:], index=6).problem == (409, "session-full")
 
 
 def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corners]) -> None:
     client.open(camera="Live")
-    assert kind(send(client, corners)) == (409, "not-recorded")
+    assert send(client, corners).problem == (409, "not-recorded")
 
 
 @pytest.mark.parametrize("left_s", [0.5, 2.0], ids=["before the fourth view", "in the fourth view"])
 def test_batch_without_time_returns_the_results_it_has(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch, left_s: float
 ) -> None:
-    """Three views have results, and the next request continues with the others."""
-    judged: list[object] = []
+    judged = []
     after_third = iter([left_s])
 
     def seconds_left(_: Call) -> float:
@@ -151,12 +137,10 @@ def test_batch_without_time_returns_the_results_it_has(
 
 
 def counted(judged: list[object]) -> Any:
-    """Make `Capture.judge`, which notes its decisions."""
     judge = Capture.judge
 
     def run(self: Capture, *arguments: Any, **options: Any) -> Any:
-        decision = judge(self, *arguments, **options)
-        judged.append(decision)
-        return decision
+        judged.append(judge(self, *arguments, **options))
+        return judged[-1]
 
     return run

@@ -1,4 +1,4 @@
-"""The offline file answers as a lookup does, or not at all: asked of both, for every label that was seen."""
+"""The offline file answers as a lookup does, or not at all."""
 
 import itertools
 import json
@@ -58,15 +58,13 @@ class Both:
 
 
 def reported(source: str) -> list[Label]:
-    """Labels of a source, each with a platform of the system that reports it."""
     rows = labels.rows(source)
     return [(row.label, PLATFORMS.get(row.system.partition("(")[0].partition("/")[0], LINUX)) for row in rows]
 
 
 def fill(stack: Server, known: list[Label]) -> None:
-    """Every camera whose label says which it is, at several sizes, some with another model or a zoom."""
     store = published.store(stack)
-    seen: set[str] = set()
+    seen = set()
     for number, (label, platform) in enumerate(known):
         if platform == PLATFORMS["iOS"] and number % 4:
             continue  # one camera in thirty languages
@@ -86,16 +84,12 @@ def fill(stack: Server, known: list[Label]) -> None:
         if number % 4 == 2:
             put(store, consensus(FISHEYE, **whose))
         if number % 6 == 0:
-            put(
-                store,
-                consensus(fit((640, 480), f / 1.5, None, lens), **whose, reason="too_few", calibrations=3),
-            )
+            put(store, consensus(fit((640, 480), f / 1.5, None, lens), **whose, reason="too_few"))
         well_known_ids.refresh_well_known(store, key, Thresholds(min_contributors=1, contributor_period=0))
 
 
 def requests(known: list[Label]) -> list[Request]:
-    """Every label here and elsewhere, without its USB id, too; where it was seen, in all sorts of ways."""
-    found: list[Request] = []
+    found = []
     elsewhere = itertools.cycle(PLATFORMS.values())
     for number, (label, own) in enumerate(known):
         bare = label.rpartition(" (")[0] or label
@@ -104,21 +98,15 @@ def requests(known: list[Label]) -> list[Request]:
             for name, platform in ((label, next(elsewhere)), (bare, own), (bare, next(elsewhere)))
         ]
         asked = {"camera": label, "platform": own, "img_size": [1280, 720]}
-        ways: list[Request] = [{"img_size": list(size)} for size in SIZES]
+        ways = [{"img_size": list(size)} for size in SIZES]
         ways += [{"zoom": 100}, {"distortion_model": "fisheye"}, {"resize_mode": "crop-and-scale"}]
         found += [asked | ways[(number + step) % len(ways)] for step in (0, 2, 4, 5)]
     found.append({"camera": "constructor", "platform": LINUX, "img_size": [1280, 720]})
     return [{"zoom": 0, "distortion_model": "rectilinear"} | each for each in found]
 
 
-def offline(data: Any, asked: list[Request]) -> list[Any]:
-    answers: list[Any] = run_module(PROGRAM, sent={"data": data, "requests": asked})
-    return answers
-
-
 @pytest.fixture(scope="module", params=labels.SOURCES)
 def filled(request: pytest.FixtureRequest) -> Iterator[tuple[Server, list[Label]]]:
-    """A service of its own for each source of labels, and those labels."""
     known = reported(request.param)[STEP - 1 :: STEP]
     with Server() as stack:
         fill(stack, known)
@@ -134,7 +122,6 @@ def both(
     filled: tuple[Server, list[Label]],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Both:
-    """Ask both, as many contributors being needed as the parameter says."""
     stack, known = filled
     path = tmp_path_factory.mktemp("bundle") / "cameras.json"
     with variables_set({"MIN_CONTRIBUTORS": request.param}):
@@ -144,7 +131,18 @@ def both(
         answers = [client.lookup(**each, redirect=False) for each in asked]
     assert {answer.status for answer in answers} == {200, 404}
     told = [answer.json if answer.status == 200 else None for answer in answers]
-    return Both(asked, told, offline(json.loads(path.read_text()), asked), written, request.param == "3")
+    found = run_module(PROGRAM, sent={"data": json.loads(path.read_text()), "requests": asked})
+    return Both(asked, told, found, written, request.param == "3")
+
+
+def same(one: Any, other: Any) -> bool:
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, (int, float)) and isinstance(other, (int, float)):
+        return one == pytest.approx(other, rel=1e-8, abs=1e-12)
+    return bool(one == other)
 
 
 def test_bundle_holds_reliable_answers_only(both: Both) -> None:
@@ -157,31 +155,18 @@ def test_bundle_answers_as_the_service(both: Both) -> None:
     for asked, told, found in zip(both.asked, both.told, both.found, strict=True):
         if found is not None:
             compared += 1
-            if asked["img_size"] == [
-                1000,
-                700,
-            ]:  # what becomes of it there is worked out for usual sizes only
+            # what becomes of it at another size is worked out for usual sizes only
+            if asked["img_size"] == [1000, 700]:
                 assert found["adapted"] is None
                 told |= {"relation": found["relation"], "adapted": None}
             assert same(found, told), (asked, told, found)
     assert compared > 200 / STEP
 
 
-def same(one: Any, other: Any) -> bool:
-    """Compare what was rounded."""
-    if isinstance(one, dict):
-        return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
-    if isinstance(one, list):
-        return len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, (int, float)) and isinstance(other, (int, float)):
-        return one == pytest.approx(other, rel=1e-8, abs=1e-12)
-    return bool(one == other)
-
-
 def test_bundle_resolves_known_names_as_the_service(both: Both) -> None:
     known = [found is not None for told, found in zip(both.told, both.found, strict=True) if told is not None]
     # At home an iPhone's "Back Camera" is the one that is meant; in public nobody's, so no file has it.
-    assert sum(known) / len(known) > (0.9 if both.public else 0.6), f"{sum(known)} of {len(known)}"
+    assert sum(known) / len(known) > (0.9 if both.public else 0.6)
     exact = [found["exact_size"] for found in both.found if found]
     assert 0.1 < exact.count(False) / len(exact) < 0.9, "both are asked for"
     assert any(found["adapted"] for found in both.found if found)
@@ -190,7 +175,6 @@ def test_bundle_resolves_known_names_as_the_service(both: Both) -> None:
 def test_bundled_camera_is_small(both: Both) -> None:
     cameras = len(both.written.cameras)
     assert cameras > 20
-    each = both.written.compressed / cameras, both.written.compressed / both.written.calibrations
-    assert each[0] < 160, each
-    assert each[1] < 100, each
+    assert both.written.compressed / cameras < 160
+    assert both.written.compressed / both.written.calibrations < 100
     assert both.written.size / cameras < 1000

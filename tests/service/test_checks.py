@@ -1,19 +1,17 @@
-"""Checks on fresh views: they confirm few calibrations, withdraw wrong ones, and count once."""
+"""Checks on fresh views."""
 
 import re
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
 from calibdb import schema
-from calibdb.store import StreamMode
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
-from tests.helpers.service.published import NOW, TILTS, asked, calibration, mode_of, store
+from tests.helpers.service.published import NOW, TILTS, calibration, pooled, store, stored
 
 ENVIRONMENT = {"MIN_CALIBRATIONS": "2"}  # five only take longer
 JOBS = False
@@ -23,89 +21,74 @@ FLAT = ((0.01, 0.0, 0.0),)
 def views(
     count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS, sag: float = 0.0
 ) -> list[dict[str, Any]]:
-    """Views of a board held by hand, through a camera with this focal length."""
     return published.views(Truth(fx=fx, fy=fx - 2, seed=seed, sag=sag), count, tilts)
 
 
-def calibrated(stack: Server, camera: str, *which: int, begun: int = NOW, **truth: Any) -> StreamMode:
-    """Publish calibrations of a camera, each with the consensus it leads to; return what they are of."""
+def calibrated(stack: Server, camera: str, *which: int, begun: int = NOW, **truth: Any) -> None:
     for n in which:
-        document = calibration(camera, n, begun=begun, **truth)
-        published.publish(stack, document)
-    return mode_of(document)
+        published.publish(stack, calibration(camera, n, begun=begun, **truth))
 
 
 @pytest.fixture
-def camera(request: pytest.FixtureRequest, stack: Server) -> Callable[[int], str]:
-    """Makes a camera of its own for this test."""
-    name = re.sub(r"\W+", " ", request.node.name)
+def camera(request: pytest.FixtureRequest) -> str:
+    return re.sub(r"\W+", " ", request.node.name)
 
-    def make(count: int) -> str:
-        calibrated(stack, name, *range(count))
-        return name
 
-    return make
+@pytest.fixture
+def known(stack: Server, camera: str) -> str:
+    calibrated(stack, camera, 0)
+    return camera
 
 
 def check(stack: Server, camera: str, **body: Any) -> Answer:
-    """One check, in a session of its own."""
     return Client(stack).check(**{"camera": camera, "views": views(), **body})
 
 
 def test_three_checks_that_agree_confirm_a_single_calibration(
-    stack: Server, camera: Callable[[int], str], client: Client
+    stack: Server, known: str, client: Client
 ) -> None:
-    name = camera(1)
-    assert client.lookup(camera=name).json["reason"] == "too_few"
-    answers = [check(stack, name, views=views(seed=seed)).json for seed in range(100, 103)]
+    assert client.lookup(camera=known).json["reason"] == "too_few"
+    answers = [check(stack, known, views=views(seed=seed)).json for seed in range(100, 103)]
     assert [a["fits"] for a in answers] == ["fits"] * 3
     assert [a["votes"]["agree"] for a in answers] == [1, 2, 3]
     assert [a["calibration"]["reliable"] for a in answers] == [False, False, True]
     assert all(a["counted"] and a["error"] < 2 * a["expected"] for a in answers)
-    found = client.lookup(camera=name)
+    found = client.lookup(camera=known)
     assert found.status == 200
     assert (found.json["calibrations"], found.json["basis"]) == (1, "checked")
     # The other models are confirmed by the same views.
-    until(lambda: client.lookup(camera=name, distortion_model="rational").status == 200)
+    until(lambda: client.lookup(camera=known, distortion_model="rational").status == 200)
 
 
-def test_checks_with_bent_boards_confirm_a_calibration(stack: Server, camera: Callable[[int], str]) -> None:
+def test_checks_with_bent_boards_confirm_a_calibration(stack: Server, known: str) -> None:
     """Boards of their own bend, by up to 2 % of their length: the votes are scored in the shape of each."""
-    name = camera(1)
     for seed, sag in ((100, 0.1), (101, -0.16), (102, 0.13)):
-        answer = check(stack, name, views=views(5, seed=seed, sag=sag)).json
+        answer = check(stack, known, views=views(5, seed=seed, sag=sag)).json
         assert (answer["fits"], answer["counted"]) == ("fits", True)
         assert answer["expected"] < 0.27
         assert answer["error"] < 1.2 * answer["expected"]
     assert answer["votes"] == {"agree": 3, "disagree": 0}
-    mode = mode_of(calibration(name, 0))
-    votes = store(stack).votes.read(store(stack).votes.newest(mode, one_per_source=False))
-    assert [vote.board_shape is not None for vote in votes] == [True] * 3
-    assert store(stack).refit.now(asked(mode)).models["rectilinear"].votes.agree == 3
+    assert pooled(store(stack), calibration(known, 0)).votes.agree == 3
 
 
-def test_three_failed_checks_withdraw_until_recalibration(
-    stack: Server, camera: Callable[[int], str], client: Client
-) -> None:
-    name = camera(2)
-    before = client.lookup(camera=name)
+def test_three_failed_checks_withdraw_until_recalibration(stack: Server, camera: str, client: Client) -> None:
+    calibrated(stack, camera, 0, 1)
+    before = client.lookup(camera=camera)
     assert (before.status, before.json["basis"]) == (200, "consensus")
     for seed in range(3):
-        answer = check(stack, name, views=views(seed=seed, fx=980.0)).json
+        answer = check(stack, camera, views=views(seed=seed, fx=980.0)).json
         assert answer["fits"] == "does_not_fit"
         assert answer["error"] > 2 * answer["expected"]
     assert answer["votes"] == {"agree": 0, "disagree": 3}
-    found = client.lookup(camera=name)
-    assert (found.status, found.json["reason"]) == (307, "disagree")
-    calibrated(stack, name, 7, begun=int(time.time()))
-    assert client.lookup(camera=name).json["calibrations"] == 3
+    assert client.lookup(camera=camera).json["reason"] == "disagree"
+    calibrated(stack, camera, 7, begun=int(time.time()))
+    assert client.lookup(camera=camera).json["calibrations"] == 3
 
 
-def test_checks_of_one_session_are_one_vote(stack: Server, camera: Callable[[int], str]) -> None:
-    name = camera(1)
+def test_checks_of_one_session_are_one_vote(stack: Server, known: str) -> None:
     client = Client(stack)
     client.authenticate()
-    body = {**CAMERA, "camera": name, "views": views()}
+    body = {**CAMERA, "camera": known, "views": views()}
     first = client.call("POST", "/v1/checks", body)
     assert (first.status, first.json["votes"]) == (200, {"agree": 1, "disagree": 0})
     assert client.call("POST", "/v1/checks", body).json == first.json, "a repeated request is answered again"
@@ -114,33 +97,26 @@ def test_checks_of_one_session_are_one_vote(stack: Server, camera: Callable[[int
     assert other["votes"] == {"agree": 1, "disagree": 0}, "the first one counts"
 
 
-def test_pictures_of_a_calibration_are_no_independent_vote(
-    stack: Server, camera: Callable[[int], str]
-) -> None:
-    name = camera(1)
-    document = calibration(name, 0)
+def test_pictures_of_a_calibration_are_no_independent_vote(stack: Server, known: str) -> None:
+    document = calibration(known, 0)
     own = [{"ids": list(v.ids), "points": [list(p) for p in v.points]} for v in document.views]
-    answer = check(stack, name, views=own)
+    answer = check(stack, known, views=own)
     assert (answer.status, answer.json["fits"], answer.json["counted"]) == (200, "fits", False)
-    assert check(stack, name, views=[*views(2), own[0]]).json["counted"] is False, "nor some of them"
-    answer = check(stack, name)
+    assert check(stack, known, views=[*views(2), own[0]]).json["counted"] is False, "nor some of them"
+    answer = check(stack, known)
     assert (answer.json["counted"], answer.json["votes"]["agree"]) == (True, 1)
 
 
-def test_uninformative_views_confirm_nothing(stack: Server, camera: Callable[[int], str]) -> None:
-    name = camera(1)
-    answer = check(stack, name, views=views(1, tilts=FLAT)).json
+def test_uninformative_views_confirm_nothing(stack: Server, known: str) -> None:
+    answer = check(stack, known, views=views(1, tilts=FLAT)).json
     assert (answer["fits"], answer["counted"]) == ("fits", False)
     assert answer["votes"] == {"agree": 0, "disagree": 0}
 
 
-def test_a_misread_corner_does_not_make_it_another_camera(
-    stack: Server, camera: Callable[[int], str]
-) -> None:
-    name = camera(1)
+def test_a_misread_corner_does_not_make_it_another_camera(stack: Server, known: str) -> None:
     seen = views(4)
     seen[1]["points"][7][0] += 25.0
-    answer = check(stack, name, views=seen).json
+    answer = check(stack, known, views=seen).json
     assert answer["fits"] == "fits"
     assert answer["error"] < 0.4
 
@@ -148,59 +124,49 @@ def test_a_misread_corner_does_not_make_it_another_camera(
 def test_changed_consensus_inherits_no_votes(stack: Server, client: Client) -> None:
     """One wrong calibration, confirmed by three; then more that are right: the three now say against it."""
     wrong = "A camera that was first mistaken for another"
-    mode = calibrated(stack, wrong, 0, fx=1100.0, fy=1098.0)
+    calibrated(stack, wrong, 0, fx=1100.0, fy=1098.0)
     for seed in range(100, 103):
         check(stack, wrong, views=views(seed=seed, fx=1100.0))
     assert client.lookup(camera=wrong).json["basis"] == "checked"
     calibrated(stack, wrong, 1, 2, 3, begun=int(time.time()))
-    (now,) = (c for c in store(stack).consensuses.at(mode) if c.distortion_model == "rectilinear")
+    now = stored(store(stack), calibration(wrong, 0))
     assert now.total == 4
-    assert now.calibration is not None
     assert abs(now.calibration.camera_matrix[0][0] - 950) < 2, "three of four agree"
     assert now.votes == schema.Votes(agree=0, disagree=0), "what was said against it was said before"
     assert now.calibration.basis == "consensus"
 
 
-def test_unusable_checks_are_refused(stack: Server, camera: Callable[[int], str]) -> None:
+def test_unusable_checks_are_refused(stack: Server, known: str) -> None:
     assert check(stack, "A camera that nobody calibrated").status == 404
-    name = camera(1)
-    assert check(stack, name, img_size=[640, 480], views=[{"ids": [0], "points": [[1, 1]]}]).status == 404
-    assert check(stack, name, zoom=2).status == 404
+    assert check(stack, known, img_size=[640, 480], views=[{"ids": [0], "points": [[1, 1]]}]).status == 404
+    assert check(stack, known, zoom=2).status == 404
     rng = np.random.default_rng(0)
     noise = [{"ids": list(range(40)), "points": rng.uniform(0, 700, (40, 2)).tolist()}]
     mirrored = [{**view, "points": [[1279 - x, y] for x, y in view["points"]]} for view in views(3)]
-    refused: list[tuple[list[dict[str, Any]], str]] = [
+    refused = [
         ([], "views"),
         (mirrored, "views.0"),
         (views(6), "views"),
         (noise, "views"),
-        ([{"ids": [0, 1], "points": [[1, 1], [2, 2]]}], "views.0"),
         ([{"ids": list(range(8)), "points": [[9 * n, 300] for n in range(8)]}], "views.0"),
-        ([{"ids": [0, 0], "points": [[1, 1], [2, 2]]}], "views.0.ids"),
-        ([{"ids": [0, 1], "points": [[1, 1]]}], "views.0.points"),
         ([{"ids": [40], "points": [[1, 1]]}], "views.0.ids.0"),
-        ([{"ids": [0], "points": [[1, 800]]}], "views.0.points.0"),
     ]
     for seen, field in refused:
-        answer = check(stack, name, views=seen)
-        assert answer.status == 422, (seen, answer.body)
-        assert answer.json["errors"][0]["field"] == field
+        assert check(stack, known, views=seen).fields[0] == field
     client = Client(stack)
     assert client.call("POST", "/v1/checks", {**CAMERA, "views": views()}, token=TOKEN).status == 403
 
 
-def test_given_calibration_is_compared_without_a_vote(stack: Server, camera: Callable[[int], str]) -> None:
-    name = camera(1)
-    known = calibration(name, 0).answer().model_dump(mode="json")
+def test_given_calibration_is_compared_without_a_vote(stack: Server, known: str) -> None:
+    given = calibration(known, 0).answer().model_dump(mode="json")
     votes = stored_votes(stack)
-    answer = check(stack, name, calibration=known).json
+    answer = check(stack, known, calibration=given).json
     assert answer.keys() == schema.ComparisonAnswer.model_fields.keys()
     assert (answer["fits"], answer["views"]) == ("fits", 3)
     assert answer["expected"] <= answer["error"] < 1.5 * answer["expected"]
     assert answer["drift"] < 4 * answer["drift_uncertainty"]
-    other = [[1.05 * x for x in row] for row in known["camera_matrix"][:2]]
-    known["camera_matrix"] = [*other, [0, 0, 1]]
-    far = check(stack, "Unheard camera", calibration=known).json
+    larger = [[1.05 * x for x in row] for row in given["camera_matrix"][:2]]
+    far = check(stack, "Unheard camera", calibration={**given, "camera_matrix": [*larger, [0, 0, 1]]}).json
     assert (far["fits"], far["expected"]) == ("does_not_fit", answer["expected"])
     assert far["error"] > 2 * far["expected"]
     assert 10 < far["drift"] < 40, "5 % of a focal length of 950 px, over an image 1280 px wide"
@@ -216,26 +182,19 @@ def stored_votes(stack: Server) -> int:
     [
         ({"img_size": [640, 480]}, "calibration.img_size"),
         ({"distortion_model": "fisheye"}, "calibration"),
-        ({"camera_matrix": [[0, 0, 640], [0, 950, 360], [0, 0, 1]]}, "calibration.camera_matrix"),
         ({"distortion_coefficients": [0] * 15}, "calibration.distortion_coefficients"),
     ],
 )
 def test_unusable_calibration_is_refused_by_field(stack: Server, changed: dict[str, Any], field: str) -> None:
     known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
     answer = check(stack, "Camera of a file", calibration={**known, **changed})
-    assert (answer.status, answer.json["errors"][0]["field"]) == (422, field)
+    assert answer.fields == [field]
 
 
 def test_given_nonsense_gets_an_answer(stack: Server) -> None:
     known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
-    for matrix, distortion in [
-        ([[1e-300, 0, 0], [0, 1e300, 0], [0, 0, 1]], [0.0] * 5),
-        ([[950, 0, 640], [0, 950, 360], [0, 0, 1]], [1e300, -1e300, 0, 0, 1e300]),
-        ([[950, 0, 640], [0, 950, 360], [0, 0, 1]], [-50.0, 0, 0, 0, 0]),
-    ]:
-        given = {**known, "camera_matrix": matrix, "distortion_coefficients": distortion}
-        answer = check(stack, "Camera of a file", calibration=given)
-        assert (answer.status, answer.json["fits"]) == (200, "does_not_fit")
+    given = {**known, "distortion_coefficients": [1e300, -1e300, 0, 0, 1e300]}
+    assert check(stack, "Camera of a file", calibration=given).json["fits"] == "does_not_fit"
 
 
 def test_check_resolves_the_camera_as_a_lookup(stack: Server) -> None:

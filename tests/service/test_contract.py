@@ -19,6 +19,8 @@ WITH_A_FIT = {"board_shape"}
 def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
     answer = client.open()
     assert answer.status == 201
+    absent = ("rig", "licence", "licence_version", "uncertainty", "systematic", "calibration")
+    absent += ("calibration_id", "end", "verdict", "suggested_model")
     assert answer.json == {
         "status": "capturing",
         **CAMERA,
@@ -28,19 +30,10 @@ def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
         "guidance": "projection-uncertainty",
         "target_error": pytest.approx(0.3),
         "capture": "live",
-        "rig": None,
-        "licence": None,
-        "licence_version": None,
         "views": [],
         "progress": 0,
-        "uncertainty": None,
-        "systematic": None,
-        "calibration": None,
-        "calibration_id": None,
-        "end": None,
-        "verdict": None,
         "advice": [],
-        "suggested_model": None,
+        **dict.fromkeys(absent),
     }
     assert client.state() == answer.json
 
@@ -51,7 +44,6 @@ def test_the_target_error_scales_with_the_width(client: Client) -> None:
 
 
 def test_session_accepts_every_field_of_the_contract(client: Client) -> None:
-    track = {"focusMode": "manual", "focusDistance": 0.4, "facingMode": "user", "resizeMode": "none"}
     asked = {
         "zoom": 1.5,
         "distortion_model": "fisheye",
@@ -59,53 +51,36 @@ def test_session_accepts_every_field_of_the_contract(client: Client) -> None:
         "guidance": "pose-selection",
         "target_error": 0.7,
     }
-    settings = {**track, "frameRate": 30, "deviceId": "what a page need not send is passed over"}
-    answer = client.open(**asked, track=settings)
-    assert answer.status == 201
+    track = {"focusMode": "manual", "focusDistance": 0.4, "facingMode": "user", "resizeMode": "none"}
+    track |= {"frameRate": 30, "deviceId": "what a page need not send is passed over"}
+    answer = client.open(**asked, track=track)
     assert {name: answer.json[name] for name in asked} == asked
     assert client.pose().status == 200
 
 
-def test_the_pose_as_numbers(running: Client) -> None:
-    pose = running.pose()
-    assert pose.status == 200
-    assert pose.json.keys() == schema.Pose.model_fields.keys()
-    assert pose.json["index"] == 0
-    assert len(pose.json["ids"]) == len(pose.json["corners"]) >= 24
-    corners = np.array(pose.json["corners"])
-    assert (corners >= -0.5).all()
-    assert (corners <= [1279.5, 719.5]).all()
-
-
 @pytest.mark.parametrize(
-    ("accept", "media_type"),
+    ("headers", "media_type"),
     [
-        (None, "image/jpeg"),
-        ("image/png", "image/png"),
-        ("text/html, application/json;q=0.9", "application/json"),
+        ({}, "image/jpeg"),
+        ({"accept": "text/html, application/json;q=0.9"}, "application/json"),
     ],
 )
-def test_pose_follows_the_accept_header(running: Client, accept: str | None, media_type: str) -> None:
-    answer = running.call("GET", "/v1/session/pose", headers={"accept": accept} if accept else {})
-    assert answer.status == 200
+def test_pose_follows_the_accept_header(running: Client, headers: dict[str, str], media_type: str) -> None:
+    answer = running.call("GET", "/v1/session/pose", headers=headers)
     assert answer.headers["content-type"] == media_type
 
 
-def test_the_picture_shows_the_pose(running: Client) -> None:
-    """The board is drawn where the numbers say, in the size of the image, on black."""
-    truth = Truth(distortion=(-0.2, 0.05, 0.0, 0.0, 0.0))
-    for _ in range(2):
-        assert truth.show(running).json["accepted"]
+@pytest.mark.parametrize("media_type", ["image/jpeg", "image/png"])
+def test_the_picture_shows_the_pose(running: Client, media_type: str) -> None:
     outline = np.array(running.pose().json["outline"])
-    for media_type in ("image/jpeg", "image/png"):
-        body = running.call("GET", "/v1/session/pose", headers={"accept": media_type}).body
-        picture = cv2.imdecode(np.frombuffer(body, np.uint8), cv2.IMREAD_COLOR)
-        assert picture.shape == (720, 1280, 3)
-        expected = np.zeros((720, 1280), np.uint8)
-        cv2.fillPoly(expected, [np.round(outline).astype(np.int32)], 1)
-        drawn = (picture.max(axis=2) > 24).astype(np.uint8)
-        overlap = (drawn & expected).sum() / (drawn | expected).sum()
-        assert overlap > 0.98, media_type
+    answer = running.call("GET", "/v1/session/pose", headers={"accept": media_type})
+    assert answer.headers["content-type"] == media_type
+    picture = cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_COLOR)
+    assert picture.shape == (720, 1280, 3)
+    expected = np.zeros((720, 1280), np.uint8)
+    cv2.fillPoly(expected, [np.round(outline).astype(np.int32)], 1)
+    drawn = (picture.max(axis=2) > 24).astype(np.uint8)
+    assert (drawn & expected).sum() / (drawn | expected).sum() > 0.98
 
 
 def test_pose_stays_until_a_view_or_a_skip(running: Client) -> None:
@@ -122,16 +97,15 @@ def test_pose_stays_until_a_view_or_a_skip(running: Client) -> None:
 
 def test_a_view_becomes_part_of_the_session(running: Client) -> None:
     ids, points = Truth().see(running.pose().json)
-    answer = running.view(0, ids, points)
-    assert answer.status == 200
-    assert answer.json.keys() == schema.ViewAnswer.model_fields.keys() - WITH_A_FIT
-    assert (answer.json["accepted"], answer.json["reason"]) == (True, None)
-    (view,) = answer.json["views"]
+    answer = running.view(0, ids, points).json
+    assert answer.keys() == schema.ViewAnswer.model_fields.keys() - WITH_A_FIT
+    assert (answer["accepted"], answer["reason"]) == (True, None)
+    (view,) = answer["views"]
     assert (view["index"], view["points"]) == (0, len(ids))
-    assert 0 < answer.json["progress"] < 1
+    assert 0 < answer["progress"] < 1
     state = running.state()
     assert state.keys() == schema.SessionState.model_fields.keys() - WITH_A_FIT
-    assert state["views"] == answer.json["views"]
+    assert state["views"] == answer["views"]
 
 
 def test_undo_takes_a_view_back(running: Client) -> None:
@@ -139,30 +113,17 @@ def test_undo_takes_a_view_back(running: Client) -> None:
     for _ in range(2):
         assert truth.show(running).json["accepted"]
     answer = running.call("DELETE", "/v1/session/views/0")
-    assert answer.status == 200
-    assert answer.json.keys() == schema.SessionState.model_fields.keys() - WITH_A_FIT
     assert [view["index"] for view in answer.json["views"]] == [1]
     assert running.state()["views"] == answer.json["views"]
     assert running.pose().json["index"] == 2  # an index is never used again
 
 
 def test_delete_forgets(running: Client) -> None:
-    assert running.call("DELETE", "/v1/session").status == 204
+    assert running.forget().status == 204
     assert running.call("GET", "/v1/session").status == 404
     assert running.pose().status == 404
-    assert running.call("DELETE", "/v1/session").status == 204  # once more is the same
+    assert running.forget().status == 204  # once more is the same
     assert running.call("POST", "/v1/session", CAMERA).status == 201  # and the id can be used anew
-
-
-def test_unknown_paths_and_wrong_methods(running: Client) -> None:
-    wrong = running.call("PUT", "/v1/session")
-    assert wrong.status == 405
-    assert {m.strip() for m in wrong.headers["allow"].split(",")} >= {"GET", "POST", "DELETE"}
-    assert running.call("PATCH", "/v1/lookup").status == 405
-    assert running.call("GET", "/v1/auth").status == 405
-    for path in ("/v1/nothing", "/v1/auth/", "/v1/session/pose/more", "/v1//lookup"):
-        for method in ("GET", "POST", "DELETE"):
-            assert running.call(method, path).status == 404  # as a problem, too
 
 
 def test_answers_are_uncached_with_nosniff(running: Client) -> None:

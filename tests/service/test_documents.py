@@ -5,17 +5,17 @@ import contextlib
 import io
 import itertools
 import json
-import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from calibdb_client import Board, session
-from infra.server.server import Server
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build import recorded_examples
 from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
@@ -23,7 +23,7 @@ from infra.web_build.openapi import EXAMPLES_PATH
 from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
 from infra.web_build.recorded_examples import CALIBRATIONS
 from tests.helpers.board_pictures import write
-from tests.helpers.documents import CODE, SITE, Block, blocks, sources
+from tests.helpers.documents import CODE, SITE, blocks, sources
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client
 from tests.helpers.service.published import calibration, publish
@@ -50,14 +50,13 @@ PYTHON = ("docs/python.md", "clients/python/README.md", "README.md")
 
 @dataclass
 class Site:
-    """A running stack that knows the camera of the examples, and what samples have finished by call."""
+    """A stack that knows the camera of the examples, and what samples have finished by call."""
 
     stack: Server
-    url: str
     finished: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def prepare_call(self, name: str, values: dict[str, str]) -> None:
-        """As `recorded_examples.prepare_call`; what one language finished, the others finish again."""
+        # What one language finished, the others finish again.
         known = dict(self.finished.get(name, {}))
         if not known:
             recorded_examples.prepare_call(self.stack, name, known)
@@ -72,13 +71,13 @@ def site() -> Iterator[Site]:
     with (
         pytest.MonkeyPatch.context() as patch,
         Server(environment={"NEW_TOKENS": "100"}) as stack,
-        stack.serve() as url,
+        stack.serve(),
     ):
         patch.setattr(recorded_examples, "_poses", lambda: four)
         publish(stack, *(calibration(EXAMPLE_CAMERA, n) for n in range(CALIBRATIONS)))
         assert Client(stack).lookup(camera=EXAMPLE_CAMERA).status == 200
         stack.wait_until_idle(60)  # its label is an alias from here on
-        yield Site(stack, url)
+        yield Site(stack)
 
 
 def run(command: list[str], code: str, folder: Path | None = None) -> str:
@@ -115,8 +114,6 @@ def runner(language: str) -> Iterator[Callable[[str], tuple[int | None, str]]]:
     else:
         command = ["node", "--input-type=module", "-e", NODE]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as node:
-            assert node.stdin
-            assert node.stdout
 
             def run_module(code: str) -> tuple[int | None, str]:
                 node.stdin.write(base64.b64encode(code.encode()).decode() + "\n")
@@ -137,12 +134,12 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
     """Each call in the next of the languages."""
     expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
     assert set(SCENARIO) == set(expected), "every call has an example"
-    values: dict[str, str] = {}
+    values = {}
     with contextlib.ExitStack() as stack:
         run_sample = {language: stack.enter_context(runner(language)) for language in languages.split()}
         for call, language in zip(calls(), itertools.cycle(run_sample), strict=False):
             site.prepare_call(call.name, values)
-            code = fill_in(samples(call)[language], values).replace(SITE, site.url)
+            code = fill_in(samples(call)[language], values).replace(SITE, site.stack.url)
             status, body = run_sample[language](code)
             assert status in (None, expected[call.name]), (call.name, body)
             example = EXAMPLES[call.name]
@@ -152,60 +149,53 @@ def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, langua
                 learn(values, call.name, answer)
 
 
+def code_of(source: str, language: str) -> list[str]:
+    found = [block.code for block in blocks(source) if block.language == language and block.reason is None]
+    assert found
+    return found
+
+
 @pytest.mark.parametrize("source", SHELL)
 def test_commands_of_a_document_run_one_after_the_other(site: Site, source: str, tmp_path: Path) -> None:
-    assert shutil.which("curl")
-    found = [block for block in blocks(source) if block.language == "sh" and block.reason is None]
-    assert found
-    code = CURL + "\n".join(block.code for block in found).replace(SITE, site.url)
+    code = CURL + "\n".join(code_of(source, "sh")).replace(SITE, site.stack.url)
     run(["bash", "-euo", "pipefail"], code, tmp_path)
 
 
 def test_every_block_of_code_is_run_or_says_why_not() -> None:
-    skipped: list[Block] = []
-    count = 0
-    for source in sources():
-        for block in blocks(source):
-            if block.language not in CODE:
-                continue
-            count += 1
-            runs = (
-                (block.source, block.language) in ELSEWHERE
-                or (block.language == "sh" and source in SHELL)
-                or (block.language == "python" and source in PYTHON)
-            )
-            if block.reason is not None:
-                skipped.append(block)
-                assert len(block.reason.split()) >= 3, f"{source}:{block.line} says no reason"
-            else:
-                assert runs, f"{source}:{block.line}: nobody runs this {block.language}"
-    assert count >= 40
-    assert len(skipped) <= 20, [f"{block.source}:{block.line}" for block in skipped]
+    code = [block for source in sources() for block in blocks(source) if block.language in CODE]
+    assert len(code) >= 40
+    for block in code:
+        place = f"{block.source}:{block.line}"
+        runs = (
+            (block.source, block.language) in ELSEWHERE
+            or (block.language == "sh" and block.source in SHELL)
+            or (block.language == "python" and block.source in PYTHON)
+        )
+        if block.reason is not None:
+            assert len(block.reason.split()) >= 3, f"{place} says no reason"
+        else:
+            assert runs, f"{place}: nobody runs this {block.language}"
+    skipped = [block for block in code if block.reason is not None]
+    assert len(skipped) <= 20
 
 
 def test_json_of_the_documents_is_json() -> None:
-    found = [block for source in sources() for block in blocks(source) if block.language == "json"]
-    assert found
-    for block in found:
-        json.loads(block.code)
+    for source in sources():
+        for block in blocks(source):
+            if block.language == "json":
+                json.loads(block.code)
 
 
 def test_token_of_the_samples_is_that_of_local_stacks() -> None:
-    from infra.server.server import DEVELOPMENT_TOKEN
-
     assert TOKEN == DEVELOPMENT_TOKEN
 
 
 class FakeCamera:
-    """Stands for an open camera: named as the examples' one."""
-
     label = "HD Pro Webcam C920 (046d:082d)"
     platform = "X11; Linux x86_64"
     img_size = (1280, 720)
 
     def read(self) -> tuple[bool, Any]:
-        import numpy as np
-
         return True, np.zeros((720, 1280, 3), np.uint8)
 
 
@@ -216,14 +206,12 @@ def test_python_of_a_document_runs(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("calibdb_client.open_camera", lambda *_, **__: FakeCamera())
     monkeypatch.setattr(session, "chosen_model", lambda *_: ("rectilinear", None))
-    monkeypatch.setenv("CALIBDB_URL", site.url)
+    monkeypatch.setenv("CALIBDB_URL", site.stack.url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
     monkeypatch.setattr("calibdb_client.pictures.recognise_board", lambda *_: board)
     write(tmp_path / "photos", board, count=5)
-    found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
-    assert found
-    for block in found:
-        run_python(block.code.replace(SITE, site.url))
+    for code in code_of(source, "python"):
+        run_python(code.replace(SITE, site.stack.url))
     assert "image_width: 1280" in (tmp_path / "camera.yaml").read_text()

@@ -1,4 +1,4 @@
-"""Fuzzing of views: every answer is one that the OpenAPI document promises, and never a 500."""
+"""Fuzzing of views."""
 
 import os
 

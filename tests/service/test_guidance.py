@@ -1,21 +1,17 @@
-"""Guidance over HTTP: hints, excluded views, advice, the report, and the seed from other captures."""
-
-import json
-from typing import Any
+"""Guidance over HTTP."""
 
 import numpy as np
 
 from calibdb.schema import SessionDocument
 from infra.server.server import Server
-from tests.helpers.service.client import Client, Truth, until
+from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.known import consensus, fit
-from tests.helpers.service.published import PLATFORM, held, store
+from tests.helpers.service.published import PLATFORM, held, put, store
 
 JOBS = False
 
 
 def latest(stack: Server, camera: str) -> SessionDocument:
-    """The document of the one session of a camera."""
     [document] = [one for one in store(stack).sessions.all() if one.camera == camera]
     return document
 
@@ -32,7 +28,6 @@ def test_poses_have_hint_and_purpose(running: Client) -> None:
     take(running, Truth(), 1)
     second = running.pose().json
     assert second["hint_code"] != "first"
-    assert 0 < len(second["hint"].split()) <= 6
     assert second["purpose"].startswith("to measure ")
 
 
@@ -43,36 +38,27 @@ def test_refusals_have_hints(running: Client) -> None:
     pose = running.pose().json
     ids, points = truth.see(pose)
     mirrored = [[1279 - x, y] for x, y in points]
-    shuffled = [points[i] for i in np.random.default_rng(0).permutation(len(points))]
-    again = first
     before = running.state()
     for sent, reason, code in (
         ((ids[:4], points[:4]), "too_few_points", "show_more"),
         ((ids, mirrored), "mirrored", "unmirror"),
-        ((ids, shuffled), "outlier", "hold_still"),
-        (again, "duplicate", None),
+        ((ids, points[1:] + points[:1]), "outlier", "hold_still"),
     ):
         answer = running.view(pose["index"], *sent).json
-        assert (answer["accepted"], answer["reason"]) == (False, reason)
-        assert answer["hint"]["code"] == code or code is None
-        assert 0 < len(answer["hint"]["text"].split()) <= 6
+        assert (answer["accepted"], answer["reason"], answer["hint"]["code"]) == (False, reason, code)
         assert running.state() == before
     assert running.pose().json == pose
     assert running.view(pose["index"], ids, points).json["hint"] is None
 
 
 def test_wrong_first_view_is_set_aside_in_the_state(stack: Server, client: Client) -> None:
-    """Of another camera, and right by itself; what is published does not contain it."""
     client.open(camera="Camera whose first view was another's", target_error=0.6)
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
     state = Truth(seed=3).finish(client, 14)
     first, *others = state["views"]
     assert first["set_aside"]["reason"] in ("outlier", "disagrees")
-    assert first["set_aside"]["detail"]
-    assert first["rms"] > 1
     assert all(view["set_aside"] is None for view in others)
-    assert abs(state["calibration"]["camera_matrix"][0][0] / 950 - 1) < 0.01
-    kept = until(lambda: store(stack).calibrations.get(state["calibration_id"]))
+    kept = store(stack).calibrations.get(state["calibration_id"])
     assert [view.index for view in kept.views] == [view["index"] for view in others]
     assert [view.index for view in kept.set_aside] == [first["index"]]
 
@@ -89,22 +75,11 @@ def test_a_refused_view_sent_twice_is_one_witness(stack: Server, client: Client)
 
 
 def test_finished_capture_stores_its_report(stack: Server, client: Client) -> None:
-    state = Truth(seed=4).calibrate(client)
-    kept = store(stack).calibrations.get(state["calibration_id"])
-    assert kept is not None
-    assert kept.report is not None
-    report = json.loads(json.dumps(kept.report))
-    assert report["verdict"]["level"] in ("good", "fair")
+    state = Truth(seed=3).calibrate(client, **BRIEF)
+    report = store(stack).calibrations.get(state["calibration_id"]).report
     assert state["verdict"] == report["verdict"]
     assert np.array(report["error_map"]["px"]).shape == (15, 20)
     assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
-
-
-def elsewhere(number: int) -> dict[str, Any]:
-    """A pose far from any target."""
-    rng = np.random.default_rng(number)
-    rvec, tvec = np.radians(25) * rng.normal(size=3), rng.uniform((-7, -4.5, 11), (-2, -1.5, 16))
-    return {"rvec": rvec.tolist(), "tvec": tvec.tolist()}
 
 
 def test_six_duplicates_in_a_row_end_a_capture_and_undo_cuts_its_course(
@@ -114,36 +89,22 @@ def test_six_duplicates_in_a_row_end_a_capture_and_undo_cuts_its_course(
     client.open(camera=camera, target_error=0.001)
     truth = Truth(seed=5)
     take(client, truth, 4)
-    last = truth.see(elsewhere(1))
-
-    def repeat(index: int, times: int) -> Any:
-        for _ in range(times):
-            answer = client.view(index, *last).json
-            assert (answer["accepted"], answer["reason"]) == (False, "duplicate")
-        return answer
-
+    last = truth.see({"rvec": [0.15, 0.36, 0.14], "tvec": [-2.3, -1.6, 12.0]})  # far from any target
     assert client.view(4, *last).json["accepted"]
-    assert repeat(5, 5)["status"] == "capturing"
+    assert [client.view(5, *last).json["reason"] for _ in range(5)] == ["duplicate"] * 5
     before = latest(stack, camera)
-    assert (before.duplicates, len(before.views)) == (5, 5)
-    assert all(view.stated for view in before.views[1:])
     assert client.call("DELETE", "/v1/session/views/4").status == 200
     after = latest(stack, camera)
-    assert (after.duplicates, len(after.views)) == (0, 4)
+    assert (before.duplicates, after.duplicates) == (5, 0)
     assert [view.stated for view in after.views] == [view.stated for view in before.views[:4]]
-    # What was undone may be shown again.
-    assert client.view(5, *last).json["accepted"]
-    ended = repeat(6, 6)
-    assert (ended["status"], ended["end"]) == ("converged", "nothing_new")
-    assert client.state()["calibration"]["id"] == ended["calibration_id"]
+    assert client.view(5, *last).json["accepted"], "it may be shown again"
+    assert [client.view(6, *last).json["end"] for _ in range(6)] == [None] * 5 + ["nothing_new"]
 
 
 def test_capture_starts_from_a_reliable_consensus(stack: Server, client: Client) -> None:
-    """One that is not reliable may be one person's of another camera: nobody starts from it."""
     distances = []
     for name, reason in (("Camera that others measured", None), ("Camera that one measured", "too_few")):
-        known = consensus(fit((1280, 720), 600.0), camera=name, platform=PLATFORM, reason=reason)
-        assert store(stack).consensuses.put(known, None, None)
+        put(store(stack), consensus(fit((1280, 720), 600.0), camera=name, platform=PLATFORM, reason=reason))
         fresh = Client(stack)
         fresh.open(camera=name, platform=PLATFORM, target_error=0.2)
         distances.append(fresh.pose().json["tvec"][2])
@@ -155,10 +116,8 @@ def test_capture_starts_from_a_reliable_consensus(stack: Server, client: Client)
 
 
 def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: Server, client: Client) -> None:
-    """A reliable consensus of a long lens under the name of an ordinary camera harms no capture."""
     name = "Camera with a false consensus"
-    known = consensus(fit((1280, 720), 4000.0), camera=name, platform=PLATFORM)
-    assert store(stack).consensuses.put(known, None, None)
+    put(store(stack), consensus(fit((1280, 720), 4000.0), camera=name, platform=PLATFORM))
     client.open(camera=name, platform=PLATFORM)
     assert latest(stack, name).prior is not None
     truth = Truth(seed=6)
@@ -178,7 +137,6 @@ def test_stored_targets_have_no_corners(client: Client) -> None:
     other = client.pose("skip=1").json
     assert client.pose().json == other, "the same after it was stored"
     document = latest(client.stack, "Dense")
-    assert document.target is not None
     for target in (document.target, *document.skipped):
         assert not {"ids", "corners", "outline"} & set(target)
     assert len(document.model_dump_json()) < 3_000

@@ -9,57 +9,48 @@ import threading
 import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import ExitStack, suppress
-from pathlib import Path
+from contextlib import suppress
 from typing import Any
 
 import httpx
-import pytest
 
 from calibdb import schema
-from infra.ops.__main__ import main
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, Answer, Client, Truth
+from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import store
+from tests.helpers.service.remote import Remote
 from tests.helpers.stack.processes import LocalProcess
 
 MOMENTS = int(os.environ.get("CALIBDB_KILLS", "1"))
-AT_ONCE = min(
-    6, MOMENTS
-)  # captures that end when the server is killed: each is cut off at a moment of its own
+#: captures that end when the server is killed: each is cut off at a moment of its own
+AT_ONCE = min(6, MOMENTS)
 KILLS = MOMENTS // AT_ONCE
-TOKEN = {"authorization": "Bearer cdb_dev_local"}
 Views = list[dict[str, Any]]
 
 
 def capture() -> Views:
-    """The views of a capture, up to the one that ends it."""
-    views: Views = []
+    views = []
     with Server() as stack:
-        client, truth = Client(stack), Truth(seed=3)
+        client, truth, status = Client(stack), Truth(seed=3), "capturing"
         client.open(**BRIEF)
-        while True:
-            pose = client.pose().json
-            ids, points = truth.see(pose)
-            answer = client.view(pose["index"], ids, points).json
-            if answer["accepted"]:
-                views.append({"index": pose["index"], "ids": ids, "points": points})
-            if answer["status"] == "converged":
-                return views
+        while status == "capturing":
+            ids, points = truth.see(client.pose().json)
+            views.append({"index": len(views), "ids": ids, "points": points})
+            status = send(client, views[-1]).json["status"]
+    return views
 
 
-def begin(client: httpx.Client, views: Views, camera: str) -> str:
-    """A session that lacks its last view."""
-    session = str(client.post("/v1/auth", headers=TOKEN).json()["session_id"])
-    assert send(client, session, "/v1/session", {**CAMERA, **BRIEF, "camera": camera}).status_code == 201
+def begin(remote: Remote, views: Views, camera: str) -> str:
+    client = Client(remote)
+    client.open(camera=camera, **BRIEF)
     for view in views[:-1]:
-        answer = send(client, session, "/v1/session/views", view)
-        assert answer.json()["accepted"], answer.text
-    return session
+        assert send(client, view).json["accepted"]
+    return client.session_id
 
 
-def send(client: httpx.Client, session: str, path: str, body: dict[str, Any]) -> httpx.Response:
-    return client.post(path, headers={"authorization": f"Bearer {session}"}, json=body)
+def send(client: Client, view: dict[str, Any]) -> Answer:
+    return client.call("POST", "/v1/session/views", view)
 
 
 def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any], kill_after: float) -> float:
@@ -67,11 +58,12 @@ def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any]
     ready = threading.Barrier(len(sessions) + 1)
 
     def end(session: str) -> None:
-        with httpx.Client(base_url=server.url, timeout=60) as client:
-            client.get("/healthz")  # connected before it matters
+        with Remote(server.url) as remote:
+            client = Client(remote, session)
+            client.state()  # connected before it matters
             ready.wait()
             with suppress(httpx.TransportError):
-                send(client, session, "/v1/session/views", last)
+                send(client, last)
 
     with ThreadPoolExecutor(len(sessions)) as pool:
         ended = [pool.submit(end, session) for session in sessions]
@@ -84,68 +76,53 @@ def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any]
     return time.monotonic() - started
 
 
-def at_rest(data_dir: Path) -> tuple[set[str], set[str], set[str]]:
+def published(operator: Operator) -> set[str]:
     """Ids of the calibrations in the bucket, in the index, and behind the consensus of every model."""
-    with Server(data_dir) as stack:
+    with Server(operator.folder) as stack:
         stack.wait_until_idle(60)  # what was asked for is done
         table, objects = stack.storage.table, stack.storage.objects
         files = {name.rpartition("/")[2][:-5] for name in objects.names("calibrations/")}
         indexed = [sk.rpartition("#")[2] for _, sk in table.keys("CAMERA#") if sk.startswith("CALIBRATION#")]
-        known = {name.rpartition("-")[0] for name in files}
-        consensuses = [c for key in known for c in store(stack).consensuses.of(key)]
-        groups = [(c.distortion_model, store(stack).consensuses.groups(c)) for c in consensuses]
-    behind: dict[str, set[str]] = {model: set() for model in schema.DISTORTION_MODELS}
-    for model, found in groups:
-        behind[model] |= {i for group in found.groups for i in group} if found else set()
-    (members,) = {frozenset(ids) for ids in behind.values()}
-    assert len(indexed) == len(set(indexed))
-    return files, set(indexed), set(members)
+        behind = {model: set() for model in schema.DISTORTION_MODELS}
+        for key in {name.rpartition("-")[0] for name in files}:
+            for consensus in store(stack).consensuses.of(key):
+                for group in store(stack).consensuses.groups(consensus).groups:
+                    behind[consensus.distortion_model] |= set(group)
+    assert sorted(indexed) == sorted(files)
+    assert all(members == files for members in behind.values()), "all or nothing"
+    return files
 
 
-def test_kill_while_finishing_is_completed_by_a_retry(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    data_dir, views = tmp_path / "data", capture()
-    monkeypatch.setenv("DATA_DIR", str(data_dir))
-    rng = random.Random(7)
-    cut: list[str] = []
+def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> None:
+    views, rng = capture(), random.Random(7)
+    cut = []
+    files = set()
     window = 0.0
-    outcomes: Counter[str] = Counter()
+    outcomes = Counter()
     for number in range(KILLS + 1):
         if cut:
-            assert main(["reindex"]) == 0
-            files, indexed, behind = at_rest(data_dir)
-            assert files == indexed == behind, "in the bucket, in the index, in the consensus: all or nothing"
-        with ExitStack() as opened:
-            if number < KILLS:
-                server = opened.enter_context(LocalProcess(data_dir))
-                url = server.url
-            else:  # it is killed no more
-                url = opened.enter_context(opened.enter_context(Server(data_dir)).serve())
-            client = opened.enter_context(httpx.Client(base_url=url, timeout=60))
-            for session in cut:
-                headers = {"authorization": f"Bearer {session}"}
-                state = client.get("/v1/session", headers=headers).json()
+            operator("reindex")
+            files = published(operator)
+        with LocalProcess(operator.folder) as server, Remote(server.url) as remote:
+            for client in (Client(remote, session) for session in cut):
+                state = client.state()
                 outcomes[state["status"]] += 1
                 if state["status"] == "capturing":
                     assert len(state["views"]) == len(views) - 1
                 else:
                     assert state["calibration_id"] in files
-                retried = send(client, session, "/v1/session/views", views[-1]).json()
+                retried = send(client, views[-1]).json
                 assert (retried["status"], len(retried["views"])) == ("converged", len(views))
-                again = send(client, session, "/v1/session/views", views[-1]).json()
-                assert again == retried
+                assert send(client, views[-1]).json == retried
             if number == KILLS:
+                server.stop()
                 break
             if not window:  # how long it takes here and today
-                undisturbed = [begin(client, views, "Camera left alone") for _ in range(AT_ONCE)]
+                undisturbed = [begin(remote, views, "Camera left alone") for _ in range(AT_ONCE)]
                 window = 1.2 * end_together(server, undisturbed, views[-1], 30.0)
-            cut = [begin(client, views, f"Camera {number}") for _ in range(AT_ONCE)]
+            cut = [begin(remote, views, f"Camera {number}") for _ in range(AT_ONCE)]
             # Random, and yet from all of the time that it takes.
             end_together(server, cut, views[-1], window * (number + rng.random()) / KILLS)
             server.kill()
-    files, indexed, behind = at_rest(data_dir)
-    assert files == indexed == behind
     assert sum(outcomes.values()) == KILLS * AT_ONCE
-    assert len(files) == (KILLS + 1) * AT_ONCE, "every capture once"
-    print(f"of {KILLS * AT_ONCE} captures {outcomes['converged']} had ended when the server was killed")
+    assert len(published(operator)) == (KILLS + 1) * AT_ONCE, "every capture once"

@@ -1,6 +1,5 @@
-"""Lookups through the gateway: what is read for them, what they answer, and that nothing is written."""
+"""Lookups through the gateway."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -10,7 +9,7 @@ from calibdb.lookup import camera_match, well_known_ids
 from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server, variables_set
-from tests.helpers.service.client import TOKEN, Answer, Client
+from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put
 from tests.helpers.service.storage_calls import storage_calls
@@ -19,19 +18,12 @@ WINDOWS = "Windows NT 10.0; Win64; x64"
 PUBLIC = {"MIN_CONTRIBUTORS": "3"}
 
 
-@pytest.fixture
-def in_public() -> Iterator[None]:
-    with variables_set(PUBLIC):
-        yield
-
-
 def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
     return Client(stack).lookup(camera=camera, platform=platform, **asked)
 
 
 @pytest.fixture(scope="module", autouse=True)
 def known(stack: Server, store: Store) -> None:
-    """A webcam of one USB id, at two sizes and two zooms; one that is in doubt; and one of earlier rules."""
     store.calibrations.publish(calibration())
     put(
         store,
@@ -53,14 +45,8 @@ def test_a_hit_is_one_query_and_no_write(stack: Server, platform: str) -> None:
         answer = ask(stack, C920, platform)
     assert answer.status == 200
     assert asked == ["Query"]
-    assert answer.json["exact_size"] is True
-    assert {k: answer.json[k] for k in ("spread", "held_out_error", "basis", "relation", "adapted")} == {
-        "spread": 0.4,
-        "held_out_error": 0.3,
-        "basis": "consensus",
-        "relation": "scale",
-        "adapted": None,
-    }
+    facts = ("exact_size", "spread", "held_out_error", "basis", "relation", "adapted")
+    assert [answer.json[name] for name in facts] == [True, 0.4, 0.3, "consensus", "scale", None]
 
 
 def test_a_name_alone_takes_a_second_query(stack: Server) -> None:
@@ -78,7 +64,6 @@ def test_a_name_alone_takes_a_second_query(stack: Server) -> None:
         ("Doubtful X1 (1111:0001)", {}, "disagree", 1),
         ("Doubtful X1 (1111:0001)", {"distortion_model": "fisheye"}, "too_few", 1),
         (C920, {"zoom": 4.0}, "unknown_camera", 1),
-        (C920, {"resize_mode": "crop-and-scale"}, "unknown_camera", 0),
         (C920, {"resizeMode": "crop-and-scale"}, "unknown_camera", 0),
         ("OBS Virtual Camera", {}, "unknown_camera", 0),
     ],
@@ -129,47 +114,16 @@ def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
         assert asked == ["Query"]
 
 
-@pytest.mark.usefixtures("in_public")
 def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> None:
-    """Once its calibrations, too, are reliable; captures with an invented id end nothing."""
-    rules = Thresholds(min_contributors=3, contributor_period=0)
-    label = "Twofold X3"
-    known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"
-    store.calibrations.publish(calibration(known))
-    put(store, consensus(camera=known))
-    well_known_ids.refresh_well_known(store, camera_key(known, LINUX), rules)
-    assert ask(stack, label).status == 200
-    for number, status in ((1, 200), (2, 200), (3, 307)):
-        store.calibrations.publish(calibration(other, number=number))
-        if number == 3:
-            put(store, consensus(camera=other))
-        well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
-        with storage_calls(stack) as asked:
-            answer = ask(stack, label)
-        assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
-    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", camera_match.SEVERAL)
-    assert ask(stack, known).status == 200
-    # and back, when too few agree any more
-    assert store.consensuses.drop(consensus(camera=other))
-    put(store, consensus(camera=other, reason="too_few", calibrations=2))
-    well_known_ids.refresh_well_known(store, camera_key(other, LINUX), rules)
-    assert ask(stack, label).status == 200
-
-
-@pytest.mark.usefixtures("in_public")
-def test_invented_usb_id_leaves_a_name_unambiguous(stack: Server, store: Store) -> None:
-    """A calibration under a name answers for an unknown id, but not for an id under another name."""
-    label = "Onefold X4"
-    store.calibrations.publish(calibration(label))
-    put(store, consensus(camera=label))
-    invented = f"{label} (dead:beef)"
-    store.calibrations.publish(calibration(invented, number=1))
-    well_known_ids.refresh_well_known(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
-    assert ask(stack, f"{label} (1111:0004)").status == 200
-    assert ask(stack, label).status == 200
-    put(store, consensus(camera=invented))
-    well_known_ids.refresh_well_known(store, camera_key(invented, LINUX), Thresholds(contributor_period=0))
-    assert ask(stack, f"{label} (1111:0004)").status == 307
+    name, rules = "Twofold X3", Thresholds(min_contributors=3, contributor_period=0)
+    with variables_set(PUBLIC):
+        for label, status in ((f"{name} (1111:0003)", 200), (f"{name} (1111:0004)", 307)):
+            store.calibrations.publish(calibration(label))
+            put(store, consensus(camera=label))
+            well_known_ids.refresh_well_known(store, camera_key(label, LINUX), rules)
+            answer = ask(stack, name)
+            assert answer.status == status
+    assert answer.json["detail"] == camera_match.SEVERAL
 
 
 def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
@@ -177,16 +131,14 @@ def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
     assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
     with variables_set(PUBLIC):
         answer = ask(stack, "Integrated Camera", redirect=False)
-        assert (answer.status, answer.json["reason"]) == (404, "unknown_camera")
-        assert "USB id" in answer.json["detail"]
-        assert ask(stack, C920).status == 200
+        assert (answer.status, "USB id" in answer.json["detail"]) == (404, True)
 
 
 def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) -> None:
     label = "Cropped X5 (1111:0005)"
     store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))
     key = camera_key(label, LINUX)
-    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}", token=TOKEN)
+    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}")
     assert shown.status == 200
-    detail = Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN)
+    detail = Client(stack).call("GET", f"/v1/cameras/{key}")
     assert (detail.status, detail.json["modes"]) == (200, [])

@@ -4,18 +4,17 @@ import time
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
 import pytest
 
 from calibdb import schema
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
-from tests.helpers.service.published import calibration, publish, store
-from tests.helpers.service.storage_calls import storage_calls
+from tests.helpers.service.published import calibration, publish
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", autouse=True)
 def known(stack: Server) -> list[Any]:
-    """Lookups of the camera before and after its fifth capture, and the state that it ended in."""
     publish(stack, *(calibration(str(CAMERA["camera"]), n, views=5) for n in range(4)))
     before = Client(stack).lookup()
     state = Truth(seed=4).calibrate(Client(stack))
@@ -26,11 +25,8 @@ def known(stack: Server) -> list[Any]:
 def test_capture_converges_near_the_truth(known: list[Any]) -> None:
     state = known[1]
     assert len(state["views"]) <= 8
-    (fx, _, cx), (_, fy, cy), _ = state["calibration"]["camera_matrix"]
-    assert abs(fx / 950 - 1) < 0.005
-    assert abs(fy / 948 - 1) < 0.005
-    assert abs(cx - 652) < 8
-    assert abs(cy - 351) < 8
+    away = np.abs(state["calibration"]["camera_matrix"] - Truth().matrix)
+    assert (away <= [[5, 0, 8], [0, 5, 8], [0, 0, 0]]).all()
     assert state["calibration"]["avg_reprojection_error"] < 0.4
 
 
@@ -57,70 +53,41 @@ def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
     answer = known[2].json
     assert list(answer) == [name for name in schema.LookupAnswer.model_fields if name != "estimate"]
     assert {name: answer[name] for name in CAMERA} == CAMERA
-    assert answer["calibrations"] == 5
-    assert answer["reliable"] is True
-    assert answer["exact_size"] is True
-    assert len(answer["distortion_coefficients"]) == 5
+    assert (answer["calibrations"], answer["reliable"], answer["exact_size"]) == (5, True, True)
     assert abs(answer["camera_matrix"][0][0] - 950) < 1
     assert 0 < answer["uncertainty"]["rms"] <= answer["uncertainty"]["max"] < 0.3
     assert abs(answer["calibration_time"] - time.time()) < 600
 
 
-@pytest.mark.usefixtures("known")
-class TestLookup:
-    def test_a_consensus_with_nothing_new_is_not_computed_again(
-        self, stack: Server, known: list[Any]
-    ) -> None:
-        at_rest = store(stack)
-        key = known[1]["calibration_id"].rpartition("-")[0]
-        asked_for = schema.RefitRequest(
-            camera=key, img_size=(1280, 720), zoom=0.0, models=schema.DISTORTION_MODELS
-        )
-        first = at_rest.refit.now(asked_for)
-        with storage_calls(stack) as asked:
-            assert at_rest.refit.now(asked_for) == first
-        assert asked == ["Query"] * 3, "neither keypoints read nor anything written"
+def test_get_answers_like_post_and_may_be_cached_for_a_moment(client: Client) -> None:
+    query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
+    answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
+    assert answer.json == client.lookup().json
+    assert answer.headers["cache-control"] == "public, max-age=20"
 
-    def test_get_answers_like_post_and_may_be_cached_for_a_moment(self, client: Client) -> None:
-        query = "camera=Test+camera&platform=X11;%20Linux%20x86_64&img_size=1280x720&zoom=0"
-        answer = client.call("GET", "/v1/lookup", token="", query=f"{query}&key={TOKEN}")
-        assert answer.json == client.lookup().json
-        assert answer.headers["cache-control"] == "public, max-age=20"
 
-    def test_the_older_public_clients_spellings(self, client: Client) -> None:
-        asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}
-        answer = client.call("POST", "/v1/lookup", {**asked, "zoom": 0, "api_key": TOKEN}, token="")
-        assert answer.json == client.lookup().json
-        query = "camera=Test+camera&userAgent=X11;%20Linux%20x86_64&imsize=1280x720&api_key=cdb_dev_local"
-        assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
+def test_the_older_public_clients_spellings(client: Client) -> None:
+    asked = {"camera": "Test camera", "userAgent": CAMERA["platform"], "imsize": [1280, 720]}
+    answer = client.call("POST", "/v1/lookup", {**asked, "zoom": 0, "api_key": TOKEN}, token="")
+    assert answer.json == client.lookup().json
+    query = "camera=Test+camera&userAgent=X11;%20Linux%20x86_64&imsize=1280x720&api_key=cdb_dev_local"
+    assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
 
-    def test_without_redirect_the_body_has_the_url(self, client: Client) -> None:
-        unknown = {**CAMERA, "camera": "Another camera"}
-        for body, query in ((unknown, "redirect=false"), ({**unknown, "redirect": False}, "")):
-            answer = client.call("POST", "/v1/lookup", body, token=TOKEN, query=query)
-            assert answer.status == 404
-            assert "/calibrate/?camera=Another+camera&" in answer.json["guidance_url"]
-            assert answer.json["reason"] == "unknown_camera"
-        assert client.call("POST", "/v1/lookup", CAMERA, token=TOKEN, query="redirect=false").status == 200
 
-    def test_missing_model_is_computed_from_keypoints(self, stack: Server, client: Client) -> None:
-        before = client.lookup(distortion_model="fisheye").json
-        key = before["id"].partition("~")[0]
-        place = f"CAMERA#{key}", "CONSENSUS#1280x720#0#fisheye"
-        stack.storage.table.delete(*place)
-        answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
-        assert answer.status == 200
-        assert answer.json == {**before, "exact_size": False}
-        assert len(answer.json["distortion_coefficients"]) == 4
-        assert stack.storage.table.get(*place) is not None
+def test_missing_model_is_computed_from_keypoints(stack: Server, client: Client) -> None:
+    before = client.lookup(distortion_model="fisheye").json
+    key = before["id"].partition("~")[0]
+    place = f"CAMERA#{key}", "CONSENSUS#1280x720#0#fisheye"
+    stack.storage.table.delete(*place)
+    answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
+    assert answer.json == {**before, "exact_size": False}
+    assert stack.storage.table.get(*place) is not None
 
-    def test_answered_consensus_is_found_by_its_id(self, client: Client, known: list[Any]) -> None:
-        consensus = client.lookup().json
-        calibration = known[1]["calibration"]
-        for expected in (consensus, calibration):
-            path = f"/v1/calibrations/{expected['id']}"
-            found = client.call("GET", path, token=TOKEN).json
-            of_both = expected.keys() & found.keys()
-            assert of_both == schema.Calibration.model_fields.keys()
-            assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
-            assert client.call("GET", path, token=TOKEN, query="format=calibdb").json == found
+
+def test_answered_consensus_is_found_by_its_id(client: Client, known: list[Any]) -> None:
+    for expected in (client.lookup().json, known[1]["calibration"]):
+        found = client.calibration(expected["id"]).json
+        of_both = expected.keys() & found.keys()
+        assert of_both == schema.Calibration.model_fields.keys()
+        assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
+        assert client.calibration(expected["id"], "format=calibdb").json == found

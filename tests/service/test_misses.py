@@ -16,7 +16,6 @@ from tests.helpers.service.stores import override_service
 
 @pytest.fixture
 def clock() -> Iterator[Clock]:
-    """The service's clock; its parts outlast a request, as in an instance of a function."""
     clock = Clock(1_800_000_000)
     with override_service(clock=clock):
         yield clock
@@ -39,9 +38,7 @@ def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
             return {sk: int(str(i["asked"])) for (pk, sk), i in found if pk.startswith("ASKED#")}
 
         ask(C920)
-        assert written() == {f"CAMERA#{known.camera_key}": 1}, (
-            "an instance may not live to see a second report"
-        )
+        assert written() == {f"CAMERA#{known.camera_key}": 1}, "an instance may not live long"
         ask(*[C920] * 2, "Cheap drugs (046d:0825)", "Buy it now! 12", "Integrated Camera")
         assert written() == {f"CAMERA#{known.camera_key}": 1}, "few lookups write"
         clock.now += REPORT_S + 1

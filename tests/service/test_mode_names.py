@@ -1,4 +1,4 @@
-"""Names of modes: contributors give them, groups of calibrations have them, and operators remove them."""
+"""Names of modes."""
 
 from collections.abc import Iterator
 
@@ -14,13 +14,11 @@ FOCALS = (950.0, 760.0, 953.0, 758.0, 951.0, 759.0)
 
 @pytest.fixture
 def stack() -> Iterator[Server]:
-    """Three calibrations of each of two modes: neither is in the majority that a consensus needs."""
     with Server(environment={"MIN_CALIBRATIONS": "4"}) as stack:
         yield stack
 
 
 def publish(stack: Server, *names: str | None) -> str:
-    """Publish the calibrations under these names, in the order of `FOCALS`; return the camera's key."""
     for n, (fx, name) in enumerate(zip(FOCALS, names, strict=True)):
         document = calibration(CAMERA, n, fx=fx, fy=fx - 2).model_copy(update={"mode_name": name})
         store(stack).calibrations.publish(document)
@@ -39,7 +37,7 @@ def group_of(stack: Server, fx: float) -> str:
 def shown(stack: Server, key: str) -> dict[float, str | None]:
     """Names of the groups on the camera's page, by the focal length of their first calibration."""
     client = Client(stack)
-    (mode,) = client.call("GET", f"/v1/cameras/{key}", token=client.api_token).json["modes"]
+    (mode,) = client.call("GET", f"/v1/cameras/{key}").json["modes"]
     focals = {member["id"]: member["fx"] for member in mode["members"]}
     return {
         round(focals[group[0]], -2): name
@@ -74,11 +72,10 @@ def test_operator_removes_a_name(stack: Server) -> None:
 def test_contributor_names_the_mode(client: Client) -> None:
     ended = Truth(seed=3).calibrate(client, camera="Named Z1", mode_name="  Linear + Horizon ", **BRIEF)
     stored = store(client.stack).calibrations.get(ended["calibration_id"])
-    assert stored is not None
     assert stored.mode_name == "Linear + Horizon"
 
 
-@pytest.mark.parametrize("name", ["", "<b>wide</b>", "x" * 33, "a@example.org", "https://example.org"])
+@pytest.mark.parametrize("name", ["", "<b>wide</b>", "x" * 33])
 def test_unfit_names_are_refused(client: Client, name: str) -> None:
     answer = client.open(mode_name=name)
     assert (answer.status, answer.fields) == (422, ["mode_name"])

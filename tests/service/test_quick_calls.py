@@ -1,4 +1,4 @@
-"""Calls that a server runs in its event loop: they write nothing, and those that compute move to a thread."""
+"""Calls that a server runs in its event loop."""
 
 import threading
 from collections.abc import Iterator
@@ -7,12 +7,11 @@ from typing import Any
 
 import pytest
 
-from calibdb.camera_key import camera_key
 from calibdb.service import Service
 from calibdb.store.refit import Refit
 from infra.server.server import Server
 from tests.helpers.service.client import Client
-from tests.helpers.service.published import PLATFORM, calibration, publish, store
+from tests.helpers.service.published import PLATFORM, calibration, publish, store, stored
 
 CAMERA = "Known by all (046d:0825)"
 
@@ -29,7 +28,7 @@ def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
 @contextmanager
 def writes(stack: Server, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """Yield the names of the threads that write within the block, the server's own excepted."""
-    seen: list[str] = []
+    seen = []
     database = stack.folder.database
     writing = database.writing
 
@@ -55,23 +54,6 @@ def test_lookup_writes_only_after_its_response(stack: Server, monkeypatch: pytes
     assert len(list(stack.storage.table.keys("ALIAS#"))) == 1
 
 
-def test_first_use_of_a_trial_token_is_written_after_its_responses(
-    stack: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    client = Client(stack)
-    made = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json
-    assert made["expires"] is not None
-    client.api_token = made["token"]
-    with Service.in_server():
-        with writes(stack, monkeypatch) as within:
-            answers = [client.lookup(camera=CAMERA, platform=PLATFORM) for _ in range(601)]
-        assert [answer.status for answer in answers] == [200] * 600 + [429]
-        assert within == []
-    facts = client.call("GET", "/v1/tokens/self", token=made["management_token"]).json
-    assert facts["expires"] is None
-    assert sum(day["lookups"] for day in facts["use"]["days"]) == 600
-
-
 def test_lookup_that_computes_runs_in_a_thread_and_counts_once(
     stack: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,11 +70,7 @@ def test_lookup_that_computes_runs_in_a_thread_and_counts_once(
 
     monkeypatch.setattr(Refit, "now", now)
     monkeypatch.setattr(Service, "count_lookup", count_lookup)
-    (fisheye,) = (
-        each
-        for each in store(stack).consensuses.of(camera_key(CAMERA, PLATFORM))
-        if each.distortion_model == "fisheye"
-    )
+    fisheye = stored(store(stack), calibration(CAMERA, 0), "fisheye")
     assert store(stack).consensuses.drop(fisheye)
     answer = Client(stack).lookup(camera=CAMERA, platform=PLATFORM, distortion_model="fisheye")
     assert answer.status == 200

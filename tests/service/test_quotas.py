@@ -1,4 +1,4 @@
-"""Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
+"""Plans, as a caller meets them."""
 
 import zlib
 from collections.abc import Iterator
@@ -8,60 +8,53 @@ import pytest
 from calibdb.access.plans import PLANS, Allowance, Plan
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.store import Store
-from calibdb.store.quotas import SHARDS
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client
 from tests.helpers.service.stores import override_service
 from tests.helpers.service.strangers import standing_clock
 
+UNKNOWN = "c1-a-0123456789ab-0123456789abcdef0123"
 SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 
 
 @pytest.fixture(scope="module", autouse=True)
 def small_plan() -> Iterator[None]:
-    """A service that knows the small plan, too."""
-
     with standing_clock(plans=PLANS | {"small": SMALL}):
         yield
 
 
 @pytest.fixture
-def token(store: Store, request: pytest.FixtureRequest) -> str:
-    """A token of the small plan, of its own for each test."""
+def client(stack: Server, store: Store, request: pytest.FixtureRequest) -> Client:
     name = str(zlib.crc32(request.node.name.encode()))
     store.tokens.create(ApiToken(name, secret_hash("x"), plan="small"))
-    return f"cdb_{name}_x"
+    return Client(stack, api_token=f"cdb_{name}_x")
 
 
 def assert_used_up(answer: Answer) -> None:
-    assert answer.status == 429
-    assert answer.json["type"].endswith("/docs/problems/#quota")
+    assert answer.problem == (429, "quota")
     assert ";r=0;t=" in answer.headers["ratelimit"]
     assert ";w=3600" in answer.headers["ratelimit-policy"]
     assert 1 <= int(answer.headers["retry-after"]) <= 3600
 
 
-def test_sessions(client: Client, token: str) -> None:
-    answers = [client.call("POST", "/v1/auth", token=token) for _ in range(4)]
+def test_sessions(client: Client) -> None:
+    answers = [client.call("POST", "/v1/auth") for _ in range(4)]
     assert [a.status for a in answers[:3]] == [201] * 3
     assert_used_up(answers[3])
-    assert client.open().status == 201  # another token's
+    assert Client(client.stack).open().status == 201  # another token's
 
 
-def test_views_refused_ones_and_undone_ones_count(client: Client, token: str) -> None:
-    client.authenticate(token)
-    client.call("POST", "/v1/session", CAMERA)
+def test_views_refused_ones_and_undone_ones_count(client: Client) -> None:
+    client.open()
     assert [client.view(0, [0], [[1, 1]]).json["reason"] for _ in range(3)] == ["too_few_points"] * 3
     assert client.call("DELETE", "/v1/session/views/0").status == 404
     assert_used_up(client.view(0, [0], [[1, 1]]))
     assert_used_up(client.call("DELETE", "/v1/session/views/0"))
-    assert client.call("GET", "/v1/session").status == 200
     assert client.pose().status == 200
 
 
-def test_poses_in_numbers_and_as_pictures_count(client: Client, token: str) -> None:
-    client.authenticate(token)
-    client.call("POST", "/v1/session", CAMERA)
+def test_poses_in_numbers_and_as_pictures_count(client: Client) -> None:
+    client.open()
     path, accept = "/v1/session/pose", {"accept": "image/jpeg"}
     answers = [client.call("GET", path, headers=accept) for _ in range(3)]
     answers += [client.call("GET", path, query="skip=1") for _ in range(2)]  # the start was one of six
@@ -71,53 +64,46 @@ def test_poses_in_numbers_and_as_pictures_count(client: Client, token: str) -> N
     assert client.view(0, [0], [[1, 1]]).status == 200
 
 
-def test_starting_and_forgetting_again_and_again_counts(client: Client, token: str) -> None:
-    client.authenticate(token)
+def test_starting_and_forgetting_again_and_again_counts(client: Client) -> None:
+    client.authenticate()
     for method, body in [("POST", CAMERA), ("DELETE", None)] * 3:
         assert client.call(method, "/v1/session", body).status in {201, 204}
-    for method, body in [("POST", CAMERA), ("GET", None), ("DELETE", None)]:
-        assert_used_up(client.call(method, "/v1/session", body))
+    for method in ("POST", "GET", "DELETE"):
+        assert_used_up(client.call(method, "/v1/session", CAMERA))
 
 
-def test_starting_anew_under_one_session_id_counts_as_a_session(client: Client, token: str) -> None:
-    client.authenticate(token)
-    statuses = []
+def test_starting_anew_under_one_session_id_counts_as_a_session(client: Client) -> None:
+    client.authenticate()
     for n in range(3):  # the first start is what was counted when the session was opened
-        statuses.append(client.call("POST", "/v1/session", {**CAMERA, "camera": f"Camera {n}"}).status)
-        if n < 2:
-            assert client.call("DELETE", "/v1/session").status == 204
-    assert statuses == [201, 201, 201]
-    assert_used_up(client.call("POST", "/v1/auth", token=token))
+        assert client.call("POST", "/v1/session", {**CAMERA, "camera": f"Camera {n}"}).status == 201
+        assert client.forget().status == 204
+    assert_used_up(client.call("POST", "/v1/auth"))
 
 
-def test_start_beyond_the_sessions_of_the_plan_is_refused(client: Client, token: str) -> None:
+def test_start_beyond_the_sessions_of_the_plan_is_refused(client: Client) -> None:
     for _ in range(3):
-        client.authenticate(token)
+        client.authenticate()
     assert client.call("POST", "/v1/session", CAMERA).status == 201
-    assert client.call("DELETE", "/v1/session").status == 204
+    assert client.forget().status == 204
     assert_used_up(client.call("POST", "/v1/session", CAMERA))
     assert client.call("GET", "/v1/session").status == 404
 
 
-def test_lookups(client: Client, token: str) -> None:
-    body = {**CAMERA, "redirect": False}
-    answers = [client.call("POST", "/v1/lookup", body, token=token) for _ in range(6)]
-    assert [a.status for a in answers[:5]] == [404] * 5
-    assert_used_up(answers[5])
-    assert_used_up(client.call("GET", "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123", token=token))
+def test_lookups(client: Client) -> None:
+    assert [client.lookup(redirect=False).status for _ in range(5)] == [404] * 5
+    assert_used_up(client.lookup())
+    assert_used_up(client.calibration(UNKNOWN))
 
 
-def test_conversions_count_as_views(client: Client, token: str) -> None:
-    path = "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123"
-    answers = [client.call("GET", path, token=token, query="format=ros") for _ in range(4)]
-    assert [a.status for a in answers] == [404] * 4
-    assert_used_up(client.call("GET", path, token=token, query="format=ros"))
+def test_conversions_count_as_views(client: Client) -> None:
+    assert [client.calibration(UNKNOWN, "format=ros").status for _ in range(4)] == [404] * 4
+    assert_used_up(client.calibration(UNKNOWN, "format=ros"))
 
 
-def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
+def test_a_wrong_secret_counts_for_nothing(client: Client) -> None:
     for _ in range(9):
-        assert client.call("POST", "/v1/auth", token=token + "y").status == 403
-    assert client.call("POST", "/v1/auth", token=token).status == 201
+        assert client.call("POST", "/v1/auth", token=client.api_token + "y").status == 403
+    assert client.call("POST", "/v1/auth").status == 201
 
 
 @pytest.fixture
@@ -128,28 +114,19 @@ def forgetful() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("forgetful")
-def test_a_revoked_token_ends_its_sessions(client: Client, store: Store, token: str) -> None:
-    client.authenticate(token)
-    assert client.call("POST", "/v1/session", CAMERA).status == 201
+def test_a_revoked_token_ends_its_sessions(client: Client, store: Store) -> None:
+    assert client.open().status == 201
     assert client.pose().status == 200
-    known = store.tokens.get(token.split("_")[1])
-    assert known
-    store.tokens.revoke(known, 0)
+    store.tokens.revoke(store.tokens.get(client.api_token.split("_")[1]), 0)
     for method, path in (("GET", "/v1/session"), ("GET", "/v1/session/pose"), ("DELETE", "/v1/session")):
         assert client.call(method, path).status == 403
     assert client.view(0, [0], [[1, 1]]).status == 403
-    assert client.call("POST", "/v1/auth", token=token).status == 403
+    assert client.call("POST", "/v1/auth").status == 403
 
 
-def test_the_counters_expire(client: Client, stack: Server, token: str) -> None:
-    client.call("POST", "/v1/auth", token=token)
-    index = f"TOKEN#{token.split('_')[1]}"
-    items = [
-        item
-        for key in (index, *(f"{index}#{shard}" for shard in range(1, SHARDS)))
-        for item in stack.storage.table.query(key, "")
-        if item["sk"] != "META"
-    ]
-    assert {str(item["sk"]).partition("#")[0] for item in items} == {"QUOTA", "SHARE"}  # all, the contributor
-    assert len(items) == 2
-    assert all("ttl" in item and item["sessions"] == 1 for item in items)
+def test_the_counters_expire(client: Client, stack: Server) -> None:
+    client.call("POST", "/v1/auth")
+    keys = stack.storage.table.keys(f"TOKEN#{client.api_token.split('_')[1]}")
+    counters = [(sk.partition("#")[0], stack.storage.table.get(pk, sk)) for pk, sk in keys if sk != "META"]
+    assert sorted(kind for kind, _ in counters) == ["QUOTA", "SHARE"]  # of all, of the contributor
+    assert all("ttl" in item and item["sessions"] == 1 for _, item in counters)

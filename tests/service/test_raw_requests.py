@@ -30,46 +30,29 @@ PATHS = (
     "/v1/rigs/{rig}/moments/m0", "/v1/rigs/{rig}/finish", "/v1/rigs/{rig}/result", "/rig/",
     "/", "/config.json", "/calibrate/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json",
 )  # fmt: skip
-VERBS = (
-    "GET",
-    "POST",
-    "DELETE",
-    "PUT",
-    "PATCH",
-    "HEAD",
-    "OPTIONS",
-    "TRACE",
-    "CONNECT",
-    "get",
-    "G\x00T",
-    "X" * 300,
-)
+VERBS = ("GET", "POST", "DELETE", "PUT", "HEAD", "OPTIONS", "TRACE", "CONNECT", "get", "G\x00T", "X" * 300)
 ODD = (
     "..", "../", "..%2f", "%2e%2e/", "%2e%2e%2f", "..\\", "%5c..", "%00", "%0a", "%0d%0aX-Injected: 1",
-    "%c0%ae/", "%", "%zz", "%u2215", "//", "/./", ";a=b", "\u00e9", "%ff", "%F0%9F%93%B7", "~", "*",
-    "'", '"', "<script>", "{id}", "{}", "a" * 2000, "%25" * 50, "?", "#", "&", "=", "+", " ", "\t",
-    "etc/passwd", "template.yaml", ".git/config", "C:\\",
+    "%c0%ae/", "%", "%zz", "//", ";a=b", "\u00e9", "%ff", "%F0%9F%93%B7", "*", '"', "<script>", "{id}",
+    "a" * 2000, "%25" * 50, "?", "#", "&", "=", "+", " ", "etc/passwd", "template.yaml", ".git/config",
 )  # fmt: skip
 HEADERS = (
     "Accept", "Accept-Encoding", "Authorization", "Connection", "Content-Encoding", "Content-Length",
-    "Content-Type", "Cookie", "Expect", "Forwarded", "Host", "If-Match", "If-Modified-Since",
-    "If-None-Match", "Origin", "Range", "Referer", "TE", "Trailer", "Transfer-Encoding", "Upgrade",
-    "User-Agent", "X-Forwarded-For", "X-Forwarded-Host", "X-HTTP-Method-Override", "x-calibdb-edge",
-    "Access-Control-Request-Method", "Content-Range", "Max-Forwards",
+    "Content-Type", "Cookie", "Expect", "Host", "If-Match", "If-Modified-Since", "If-None-Match", "Origin",
+    "Range", "TE", "Trailer", "Transfer-Encoding", "Upgrade", "X-Forwarded-For", "X-HTTP-Method-Override",
+    "x-calibdb-edge", "Access-Control-Request-Method", "Content-Range",
 )  # fmt: skip
 VALUES = (
     "", " ", "0", "-1", "1", "99999999999999999999", "1, 1", "bytes=0-0", "bytes=0-,5-6,7-",
     "bytes=9-1", "chunked", "identity, chunked", "gzip", "br", "application/json", "image/png;q=x",
-    "*/*;q=0", "text/html", "null", "*", "%0a", "https://evil.example", "close", "keep-alive, upgrade",
-    "websocket", "h2c", "100-continue", "\x7f", "\xff\xfe", "é", "Bearer", "Bearer ", "Bearer x",
-    "Basic eDp5", "bearer " + "a" * 4000, "W/\"x\"", "Thu, 01 Jan 1970 00:00:00 GMT", "127.0.0.1",
-    "::1", "a,b,c,d", "for=\"[::1]\"", "localhost", "evil.example", "{json}", "x" * 9000, "\u0001",
+    "*/*;q=0", "null", "*", "%0a", "https://evil.example", "keep-alive, upgrade", "websocket", "h2c",
+    "100-continue", "\x7f", "\xff\xfe", "é", "Bearer ", "Basic eDp5", "bearer " + "a" * 4000, "W/\"x\"",
+    "Thu, 01 Jan 1970 00:00:00 GMT", "::1", "a,b,c,d", "localhost", "x" * 9000, "\u0001",
 )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def sent_to(stack: Server) -> Iterator[tuple[str, dict[str, str], str]]:
-    """Address of the server, ids that there are, and a session id."""
     client = Client(stack)
     calibration = Truth().calibrate(client, **BRIEF)["calibration_id"]
     rig = RigTruth(stack).open()
@@ -85,20 +68,7 @@ def target(rng: random.Random, ids: dict[str, str]) -> str:
         at = rng.randrange(len(path) + 1)
         path = path[:at] + rng.choice(ODD) + path[at:]
     if rng.random() < 0.4:
-        names = (
-            "format",
-            "crop",
-            "resize",
-            "skip",
-            "camera",
-            "img_size",
-            "key",
-            "query",
-            "after",
-            "without",
-            "zoom",
-            "id",
-        )
+        names = ("format", "crop", "resize", "skip", "camera", "img_size", "key", "query", "without", "id")
         values = (*ODD, "1", "kalibr", "0,0,64,64", "1e400", "1280x720", TOKEN, "NaN", "9" * 400)
         path += "?" + "&".join(f"{rng.choice(names)}={rng.choice(values)}" for _ in range(rng.randint(1, 4)))
     return path
@@ -144,7 +114,6 @@ def request(rng: random.Random, ids: dict[str, str], session_id: str) -> bytes:
 
 
 def exchange(address: tuple[str, int], content: bytes) -> bytes:
-    """Send bytes; return what comes back until the connection ends."""
     with socket.create_connection(address, timeout=60) as connection:
         received = b""
         try:
@@ -170,7 +139,7 @@ def test_no_raw_request_breaks_the_server(
     monkeypatch.setattr(app, "BODY_TIMEOUT_S", 0.2)
     url, ids, session_id = sent_to
     address = ("127.0.0.1", int(url.rpartition(":")[2]))
-    seen: Counter[int] = Counter()
+    seen = Counter()
     for seed in range(CASES):
         content = request(random.Random(seed), ids, session_id)
         received = exchange(address, content)
@@ -182,6 +151,5 @@ def test_no_raw_request_breaks_the_server(
         heads = [part.partition(b"\r\n\r\n")[0].lower() for part in received.split(b"HTTP/1.1 ")[1:]]
         assert not any(b"\r\nx-injected" in head for head in heads), (seed, content[:300])
         assert not any(secret in received for secret in SECRETS), (seed, content[:300], received[:300])
-    print(f"statuses of {CASES} raw requests: {dict(sorted(seen.items()))}")
     assert {200, 400, 404, 422} <= set(seen)
     assert in_process.request(stack, "GET", "/healthz").status == 200

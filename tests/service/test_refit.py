@@ -1,9 +1,9 @@
-"""The consensus of a camera: one computation for all who ask, never an older over a newer, nothing lost."""
+"""The consensus of a camera."""
 
 import json
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -19,8 +19,8 @@ from calibsolver.consensus import fit_memory
 from functions.refit import app as refit
 from infra.server import jobs
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, Client, Truth, until
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.client import Client, until
+from tests.helpers.service.published import asked, calibration, mode_of, pooled, store, stored
 from tests.helpers.service.storage_calls import storage_calls
 from tests.helpers.service.stores import override_service, with_methods
 
@@ -42,6 +42,12 @@ def totals(at_rest: Store, document: schema.CalibrationDocument) -> list[int]:
     return [known.total for known in at_rest.consensuses.at(mode_of(document))]
 
 
+def reading_by(read: Callable[[list[str]], list[schema.CalibrationDocument]]) -> Any:
+    return override_service(
+        lambda store: replace(store, calibrations=with_methods(store.calibrations, read=read))
+    )
+
+
 def test_concurrent_finishes_coalesce_into_one_refit(stack: Server, at_rest: Store) -> None:
     documents = [calibration("Eight at once", n) for n in range(8)]
     mode = mode_of(documents[0])
@@ -57,40 +63,12 @@ def test_concurrent_finishes_coalesce_into_one_refit(stack: Server, at_rest: Sto
     assert totals(at_rest, documents[0]) == [8] * MODELS
     assert not list(stack.storage.table.keys("REFIT#"))  # nobody holds the lease any more
     assert seen.count("TransactWriteItems") <= 4 * MODELS
-    (rectilinear,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == "rectilinear")
-    assert rectilinear.calibration is not None
+    rectilinear = stored(at_rest, documents[0])
     assert (rectilinear.calibration.calibrations, rectilinear.reliable) == (8, True)
-    groups = at_rest.consensuses.groups(rectilinear)
-    assert groups is not None
-    assert {d.id for d in documents} == {i for group in groups.groups for i in group}
-
-
-def test_concurrent_refits_leave_the_newest_consensus(at_rest: Store) -> None:
-    """Without waiting for each other, while calibrations keep coming in."""
-    documents = [calibration("Computed by many", n) for n in range(8)]
-    mode = mode_of(documents[0])
-    at_rest.calibrations.publish(documents[0])
-
-    def compute(n: int) -> int:
-        at_rest.calibrations.publish(documents[n])
-        try:
-            (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
-        except UnavailableError:  # overtaken too often; who overtook it has seen what it has
-            return 0
-        assert found is not None
-        return found.total
-
-    with ThreadPoolExecutor(8) as pool:
-        seen = list(pool.map(compute, range(8)))
-    # What was answered considered at least the caller's own; what is stored in the end, all of them.
-    assert max(seen) == 8
-    (left,) = at_rest.consensuses.at(mode)
-    assert (left.total, left.calibration and left.calibration.calibrations) == (8, 8)
 
 
 def test_overtaken_result_is_not_written(stack: Server, at_rest: Store) -> None:
     documents = [calibration("Overtaken", n) for n in range(2)]
-    mode = mode_of(documents[0])
     at_rest.calibrations.publish(documents[0])
     overtaken = []
 
@@ -99,37 +77,25 @@ def test_overtaken_result_is_not_written(stack: Server, at_rest: Store) -> None:
         if not overtaken:  # all is read; now somebody is quicker
             overtaken.append(True)
             at_rest.calibrations.publish(documents[1])
-            queued = asked(mode).model_copy(update={"queued": True})
+            queued = asked(mode_of(documents[0])).model_copy(update={"queued": True})
             assert stack.storage.jobs.now("refit", queued.model_dump_json().encode()) is not None
         return found
 
-    with override_service(
-        lambda store: replace(store, calibrations=with_methods(store.calibrations, read=slow))
-    ):
-        (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
-    assert found is not None
-    assert found.total == 2
+    with reading_by(slow):
+        assert pooled(at_rest, documents[0]).total == 2
     assert totals(at_rest, documents[0]) == [2] * MODELS
 
 
-def test_malformed_refit_is_kept_with_its_error(stack: Server, at_rest: Store) -> None:
-    before = len(stack.jobs.failures())
-    for garbage in ({"camera": 5}, [], {"camera": "k", "img_size": [0, 0]}):
-        stack.storage.jobs.later("refit", json.dumps(garbage).encode())
-    until(lambda: len(stack.jobs.failures()) == before + 3)
-    name, payload, error = stack.jobs.failures()[before]
+def test_malformed_refit_is_kept_with_its_error(stack: Server) -> None:
+    stack.storage.jobs.later("refit", b'{"camera": 5}')
+    [(name, payload, error)] = until(stack.jobs.failures)
     assert (name, json.loads(payload), error.partition(":")[0]) == ("refit", {"camera": 5}, "ValidationError")
-    # And nobody else has to wait for it.
-    document = calibration("After the garbage", 0)
-    at_rest.calibrations.publish(document)
-    at_rest.refit.later(asked(mode_of(document)))
-    until(lambda: totals(at_rest, document) == [1] * MODELS)
 
 
 def test_failed_refit_is_retried(at_rest: Store) -> None:
     document = calibration("Broken down", 0)
     at_rest.calibrations.publish(document)
-    broken: list[bool] = []
+    broken = []
 
     def breaking(ids: list[str]) -> list[schema.CalibrationDocument]:
         if not broken:
@@ -137,25 +103,10 @@ def test_failed_refit_is_retried(at_rest: Store) -> None:
             raise UnavailableError("Storage did not answer.")
         return at_rest.calibrations.read(ids)
 
-    with override_service(
-        lambda store: replace(store, calibrations=with_methods(store.calibrations, read=breaking))
-    ):
+    with reading_by(breaking):
         at_rest.refit.later(asked(mode_of(document)))
         until(lambda: totals(at_rest, document) == [1] * MODELS)
     assert broken
-
-
-def test_calibrations_of_an_earlier_version_are_pooled(stack: Server, at_rest: Store) -> None:
-    """As they were stored before reports and priors were known."""
-    documents = [calibration("Of old", n) for n in range(2)]
-    for document in documents:
-        at_rest.calibrations.publish(document)
-        name = f"calibrations/{document.camera_key}/{document.id}.json"
-        content = json.loads(stack.storage.objects.get(name) or b"")
-        for later in ("report", "prior", "set_aside"):
-            content.pop(later, None)
-        stack.storage.objects.put(name, json.dumps(content).encode())
-    assert totals_now(at_rest, documents[0]) == {2}
 
 
 def test_withdrawn_calibrations_and_models_of_a_later_version_do_not_count(
@@ -173,78 +124,33 @@ def test_withdrawn_calibrations_and_models_of_a_later_version_do_not_count(
     assert Client(stack).lookup(camera="Withdrawn").json["reason"] == "unknown_camera"
 
 
-def totals_now(at_rest: Store, document: schema.CalibrationDocument) -> set[int]:
-    answer = at_rest.refit.now(asked(mode_of(document)))
-    return {known.total for known in answer.models.values() if known}
-
-
 def test_calibration_off_its_board_is_skipped(at_rest: Store) -> None:
     documents = [calibration("Brought in from elsewhere", n) for n in range(2)]
     views = (documents[1].views[0].model_copy(update={"ids": (999,), "points": ((1.0, 1.0),)}),)
     at_rest.calibrations.publish(documents[0])
     at_rest.calibrations.publish(documents[1].model_copy(update={"views": views}))
-    (found,) = at_rest.refit.now(asked(mode_of(documents[0]), "rectilinear")).models.values()
-    assert found is not None
-    assert found.calibration is not None
+    found = pooled(at_rest, documents[0])
     assert (found.total, found.calibration.calibrations) == (2, 1)
-
-
-def test_concurrent_last_view_ends_the_session_once(stack: Server, at_rest: Store) -> None:
-    """The client gave up waiting and sent it again, and again, while the first was still worked on."""
-    client, truth = Client(stack), Truth(seed=3)
-    client.open(camera="Impatient client", **BRIEF)
-    for _ in range(3):
-        assert truth.show(client).json["accepted"]
-    pose = client.pose().json
-    seen = truth.see(pose)
-    ready = threading.Barrier(4)
-
-    def send(_: int) -> Any:
-        ready.wait()
-        return client.view(pose["index"], *seen)
-
-    with ThreadPoolExecutor(4) as pool:
-        answers = list(pool.map(send, range(4)))
-    assert {(answer.status, answer.json["status"]) for answer in answers} == {(200, "converged")}
-    assert len({json.dumps({**a.json, "hint": None}, sort_keys=True) for a in answers}) == 1
-    assert len(answers[0].json["views"]) == 4
-    calibration_id = str(answers[0].json["calibration_id"])
-    key = calibration_id.rpartition("-")[0]
-    names = list(stack.storage.objects.names(f"calibrations/{key}/"))
-    assert names == [f"calibrations/{key}/{calibration_id}.json"]
-    until(lambda: [c.total for c in at_rest.consensuses.of(key)] == [1] * MODELS)
 
 
 def test_consensus_bears_the_label_of_most_contributors_not_of_the_newest(at_rest: Store) -> None:
     label = "Named by many (1234:5678)"
     documents = [calibration(label, n) for n in range(4)]
     for n in (4, 5, 6):  # one contributor, often, and newer than all
-        newer = calibration(label, n)
-        documents.append(
-            newer.model_copy(
-                update={
-                    "camera": "NAMED BY MANY (1234:5678)",
-                    "platform": "Linux; Android 14; SM-X1",
-                    "contributor": "f" * 64,
-                    "source": "f" * 64,
-                }
-            )
-        )
+        changed = {"camera": label.upper(), "platform": "Linux; Android 14; SM-X1", "source": "f" * 64}
+        documents.append(calibration(label, n).model_copy(update=changed | {"contributor": "f" * 64}))
     for document in documents:
         at_rest.calibrations.publish(document)
-    (found,) = at_rest.refit.now(asked(mode_of(documents[0]), "rectilinear")).models.values()
-    assert found is not None
-    assert found.calibration is not None
+    found = pooled(at_rest, documents[0])
     assert found.calibration.calibrations == 7
     assert (found.calibration.camera, found.calibration.platform) == (label, documents[0].platform)
 
 
 def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Clients that lost patience ask again while it is being computed."""
     document = calibration("Impatient", 0)
     mode = mode_of(document)
     at_rest.calibrations.publish(document)
-    reads: list[int] = []
+    reads = []
     together = threading.Barrier(4, timeout=120)
 
     def read(ids: list[str]) -> list[schema.CalibrationDocument]:
@@ -255,12 +161,7 @@ def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest
         together.wait()
         return at_rest.refit.now(asked(mode, "rectilinear"))
 
-    with (
-        override_service(
-            lambda store: replace(store, calibrations=with_methods(store.calibrations, read=read))
-        ),
-        ThreadPoolExecutor(4) as pool,
-    ):
+    with reading_by(read), ThreadPoolExecutor(4) as pool:
         answers = list(pool.map(compute, range(4)))
     assert reads == [1]
     assert all(answer == answers[0] for answer in answers)
@@ -282,13 +183,12 @@ def test_refit_ends_before_its_invocation_does(at_rest: Store, monkeypatch: pyte
         with pytest.raises(UnavailableError):
             at_rest.refit.now(asked(mode_of(document)))
     assert at_rest.consensuses.at(mode_of(document)) == []
-    assert totals_now(at_rest, document) == {1}
+    assert pooled(at_rest, document).total == 1
 
 
 def test_refit_that_runs_out_of_time_stores_whole_models_and_continues(
     at_rest: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Models that are stored are not computed again."""
     document = calibration("Out of time", 0)
     at_rest.calibrations.publish(document)
     pool, pooled, last = consensus.pool, [], 1

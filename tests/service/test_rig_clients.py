@@ -1,17 +1,15 @@
-"""A rig end to end: captured through the API, and read by the JavaScript SDK and the Python client."""
+"""A rig end to end."""
 
 import cv2
 import numpy as np
 import pytest
 
 from calibdb_client import Client, NotFoundError
-from infra.server.server import Server
 from tests.helpers.node import run_module
 from tests.helpers.service.client import TOKEN
 from tests.helpers.service.rigs import RigTruth
 
 JOBS = False
-MOMENTS = 4
 READ = """
 import { LookupError, rig } from "./web/sdk/calibdb.js";
 import { rectify } from "./web/sdk/stereo.js";
@@ -32,40 +30,31 @@ console.log(JSON.stringify({
 """
 
 
-@pytest.fixture(scope="module")
-def rig(stack: Server) -> RigTruth:
-    """A rig of two cameras that was captured and finished."""
-    truth = RigTruth(stack, seed=3).open()
-    for moment in range(MOMENTS):
-        truth.moment(f"m{moment}")
-    ended = truth.call("POST", "/finish")
-    assert ended.status == 200, ended.body
-    return truth
-
-
-def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(rig: RigTruth, url: str) -> None:
-    found = run_module(READ, url, rig.rig_id, TOKEN)
-    assert found["record"] == rig.result().json
+def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(
+    finished_rig: RigTruth, url: str
+) -> None:
+    found = run_module(READ, url, finished_rig.rig_id, TOKEN)
+    assert found["record"] == finished_rig.result().json
     assert found["eyes"] == ["left", "right"]
     assert [refusal[:2] for refusal in found["refusals"]] == [[True, 404], [True, 403]]
     assert "no rig" in found["refusals"][0][2]
     std = np.array(found["pose"]["std"])
-    away = np.array([*found["pose"]["rvec"], *found["pose"]["tvec"]]) - rig.motions[1].vector()
+    away = np.array([*found["pose"]["rvec"], *found["pose"]["tvec"]]) - finished_rig.motions[1].vector()
     assert (std > 0).all()
     assert np.abs(away / std).max() < 4, "as far from the truth as the error bars say"
     storage = cv2.FileStorage(
-        rig.result("opencv_stereo").body.decode(), cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY
+        finished_rig.result("opencv_stereo").body.decode(), cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY
     )
     for name in ("R1", "R2", "P1", "P2", "Q"):
         assert np.array(found[name]) == pytest.approx(storage.getNode(name).mat(), abs=1e-6), name
 
 
-def test_python_client_reads_the_rig_and_a_file_of_it(rig: RigTruth, url: str) -> None:
+def test_python_client_reads_the_rig_and_a_file_of_it(finished_rig: RigTruth, url: str) -> None:
     with Client(url, TOKEN, cache=False) as client:
-        found = client.rig(rig.rig_id)
-        assert found.record == rig.result().json
-        away = found.pose(1)[:3, 3] - rig.motions[1].t
+        found = client.rig(finished_rig.rig_id)
+        assert found.record == finished_rig.result().json
+        away = found.pose(1)[:3, 3] - finished_rig.motions[1].t
         assert np.abs(away / found.std(1)[3:]).max() < 4
-        assert client.rig_file(rig.rig_id, "kalibr").content == rig.result("kalibr").body
+        assert client.rig_file(finished_rig.rig_id, "kalibr").content == finished_rig.result("kalibr").body
         with pytest.raises(NotFoundError, match="no rig"):
             client.rig("0" * 32)

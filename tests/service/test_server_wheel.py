@@ -1,11 +1,7 @@
 """The server's wheel in an environment without Node.js and this checkout, and used from there."""
 
 import os
-import re
 import subprocess
-import sysconfig
-import threading
-import venv
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,61 +11,30 @@ from calibdb import __version__
 from infra.release import wheels
 from tests.helpers.service.client import Client, Truth
 from tests.helpers.service.remote import Remote
-from tests.helpers.stack.processes import install_wheels, without_checkout
+from tests.helpers.stack.processes import LocalProcess, environment_of, without_checkout
 
 NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "mangum", "moto")
-MAX_S = 120
 
 
 @pytest.fixture(scope="module")
 def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of programs of an environment with the wheel and the packages that it names."""
     root = tmp_path_factory.mktemp("server")
     wheel = wheels.build_server(root)
     assert wheel.name == f"calibdb_server-{__version__}-py3-none-any.whl"
-    venv.create(root / "venv", with_pip=False)
-    scripts = root / "venv" / "bin"
-    install_wheels(scripts / "python", wheel)
-    (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
     missing = f"import sys; sys.modules.update(dict.fromkeys({NOT_INSTALLED}))"
-    (packages / "third-party.pth").write_text(f"{sysconfig.get_path('purelib')}\n{missing}\n")
-    return scripts
-
-
-def environment(scripts: Path) -> dict[str, str]:
-    kept = without_checkout(os.environ)
-    return kept | {"PATH": str(scripts), "OPERATOR_CONTACT": "mailto:op@calibdb.example", "PORT": "0"}
+    return environment_of(root, wheel, startup=missing)
 
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("data")
+    return tmp_path_factory.mktemp("data") / "calibdb"
 
 
 @pytest.fixture(scope="module")
 def installed(scripts: Path, data: Path) -> Iterator[Remote]:
-    with (
-        (data / "log").open("w") as log,
-        subprocess.Popen(
-            [scripts / "calibdb-server", "--data", data / "calibdb"],
-            cwd=data,
-            env=environment(scripts),
-            stdout=subprocess.PIPE,
-            stderr=log,
-            text=True,
-        ) as process,
-    ):
-        watchdog = threading.Timer(MAX_S, process.kill)  # of the whole module: nothing here may hang
-        watchdog.start()
-        try:
-            assert process.stdout
-            found = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
-            assert found, (data / "log").read_text()[-2000:]
-            with Remote(found[0]) as server:
-                yield server
-        finally:
-            watchdog.cancel()
-            process.kill()
+    variables = {"PATH": str(scripts), "OPERATOR_CONTACT": "mailto:op@calibdb.example"}
+    with LocalProcess(data, variables, scripts / "calibdb-server") as server, Remote(server.url) as remote:
+        yield remote
 
 
 def test_capture_is_guided_and_cameras_are_looked_up(installed: Remote) -> None:
@@ -103,13 +68,6 @@ def test_detector_is_compressed_at_build_time(installed: Remote) -> None:
 
 def test_operator_acts_on_the_data_folder(installed: Remote, scripts: Path, data: Path) -> None:
     assert installed.http.get("/healthz").status_code == 200
-    done = subprocess.run(
-        [scripts / "calibdb-ops", "--data", data / "calibdb", "publish-dump"],
-        cwd=data,
-        env=environment(scripts),
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    command = [scripts / "calibdb-ops", "--data", data, "publish-dump"]
+    subprocess.run(command, cwd=data.parent, env=without_checkout(os.environ), timeout=60, check=True)
     assert installed.http.get("/dumps/latest.json").status_code == 200

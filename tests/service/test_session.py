@@ -1,20 +1,15 @@
-"""A session's rules over HTTP: repeats, conflicts, undo, the end, and requests at the same time."""
+"""A session's rules over HTTP."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
 from calibdb.errors import UnavailableError
 from calibdb.store import Store
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.stores import override_service, with_methods
-
-
-def objects(stack: Server, prefix: str) -> list[str]:
-    return list(stack.storage.objects.names(prefix))
 
 
 @pytest.fixture
@@ -39,14 +34,9 @@ def test_converged_session_is_immutable(converged: Client) -> None:
     assert state["status"] == "converged"
     assert state["uncertainty"]["rms"] <= state["target_error"]
     assert state["calibration"]["id"] == state["calibration_id"]
-    assert abs(state["calibration"]["camera_matrix"][0][0] - 950) < 5
+    view = Truth(seed=9).see({"rvec": [0.3, 0, 0], "tvec": [-4, -3, 9]})
     assert converged.pose().status == 409
-    assert (
-        converged.view(
-            len(state["views"]), *Truth(seed=9).see({"rvec": [0.3, 0, 0], "tvec": [-4, -3, 9]})
-        ).status
-        == 409
-    )
+    assert converged.view(len(state["views"]), *view).status == 409
     assert converged.call("DELETE", "/v1/session/views/0").status == 409
     assert converged.state() == state
 
@@ -63,14 +53,12 @@ def test_the_last_view_repeated_publishes_once(stack: Server, client: Client) ->
     again = client.view(pose["index"], *view)
     assert again.json == first.json
     key = first.json["calibration_id"].rpartition("-")[0]
-    assert objects(stack, f"calibrations/{key}/") == [
-        f"calibrations/{key}/{first.json['calibration_id']}.json"
-    ]
+    name = f"calibrations/{key}/{first.json['calibration_id']}.json"
+    assert list(stack.storage.objects.names(f"calibrations/{key}/")) == [name]
 
 
 @pytest.mark.parametrize(("noun", "verb"), [("calibrations", "publish"), ("refit", "later")])
 def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: str) -> None:
-    """Storage fails after the session converged and before anyone can find the calibration."""
     truth, camera = Truth(), f"Camera whose {verb} fails"
     client.open(camera=camera, **BRIEF)
 
@@ -78,7 +66,7 @@ def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: 
         raise UnavailableError("Storage did not answer.")
 
     def broken(store: Store) -> Store:
-        part: Any = with_methods(getattr(store, noun), **{verb: fail})
+        part = with_methods(getattr(store, noun), **{verb: fail})
         return replace(store, **{noun: part})
 
     with override_service(broken):
@@ -93,9 +81,7 @@ def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: 
     assert client.lookup(camera=camera).json["reason"] == "unknown_camera"
     again = client.view(pose["index"], *view)
     assert (again.status, again.json["status"]) == (200, "converged")
-    path = f"/v1/calibrations/{again.json['calibration_id']}"
-    published = client.call("GET", path, token=TOKEN).json
-    assert published.pop("report")["verdict"]["level"]
+    published = client.calibration(again.json["calibration_id"]).json
     known = again.json["calibration"]
     assert {name: published[name] for name in known} == known
     until(lambda: client.lookup(camera=camera).json["reason"] == "too_few")
@@ -111,16 +97,3 @@ def test_views_sent_at_once_have_one_effect(running: Client, same: bool) -> None
     assert statuses == ([200] * 6 if same else [200] + [409] * 5)
     assert len(running.state()["views"]) == 1
     assert running.pose().json["index"] == 1
-
-
-def test_poses_asked_for_at_once_are_one(running: Client) -> None:
-    with ThreadPoolExecutor(6) as pool:
-        poses = list(pool.map(lambda n: (n, running.pose().json)[1], range(6)))
-    assert all(pose == poses[0] for pose in poses)
-
-
-def test_sessions_started_at_once_are_one(client: Client) -> None:
-    client.authenticate()
-    with ThreadPoolExecutor(6) as pool:
-        answers = list(pool.map(lambda _: client.call("POST", "/v1/session", CAMERA), range(6)))
-    assert [answer.status for answer in answers] == [201] * 6

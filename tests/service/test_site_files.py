@@ -1,6 +1,7 @@
-"""The local stack's site: files that programs look for, the page of what is missing."""
+"""The local stack's site."""
 
 import hashlib
+import json
 from collections.abc import Iterator
 
 import httpx
@@ -9,6 +10,7 @@ import pytest
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import publish_dump
 from infra.server.server import Server
+from tests.helpers.service.in_process import request
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +41,18 @@ def test_dumps_are_files_that_every_origin_may_read(site: httpx.Client) -> None:
         assert part.headers["access-control-allow-origin"] == "*"
     assert site.get("/dumps/statistics.json").json()["history"][0]["calibrations"] == 0
     assert site.get("/dumps/draft.json").status_code == 404
+
+
+def test_settings_and_security_file_say_who_runs_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    operator = {
+        "OPERATOR_NAME": "Lens Society",
+        "OPERATOR_CONTACT": "mailto:lens@society.example",
+        "IMPRINT": "Lens Society|1 Optics Road|Exampletown",
+    }
+    for name, value in operator.items():
+        monkeypatch.setenv(name, value)
+    with Server() as stack:
+        told = json.loads(request(stack, "GET", "/config.json").body)["operator"]
+        security = request(stack, "GET", "/.well-known/security.txt").body.decode()
+    assert list(told.values()) == list(operator.values())
+    assert f"Contact: {operator['OPERATOR_CONTACT']}" in security

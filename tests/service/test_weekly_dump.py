@@ -1,4 +1,4 @@
-"""The weekly dump: in parts, whole or not named, and it names nobody."""
+"""The weekly dump."""
 
 import gzip
 import hashlib
@@ -14,7 +14,7 @@ from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump
 from calibdb.store import Store
-from calibdb.store.dumps import LATEST, Dumps
+from calibdb.store.dumps import Dumps
 from calibdb.store.miss_counts import USB
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
@@ -47,11 +47,11 @@ def context(stack: Server) -> OpsContext:
 def fill(
     store: Store, count: int, given: Callable[[int], bool] = lambda _: True
 ) -> list[CalibrationDocument]:
-    """Calibrations of three cameras by different contributors; every seventh is withdrawn."""
     made = []
     for n in range(count):
         label = (C920, "Microsoft LifeCam HD-3000 (045e:0779)", "Anna's Webcam Z77")[n % 3]
-        document = calibration(label, number=n).model_copy(update=GIVEN if given(n) else {})
+        document = calibration(label, f"{LINUX}; Anna", number=n)
+        document = document.model_copy(update=GIVEN if given(n) else {})
         store.calibrations.publish(document)
         if n % 7 == 6:
             store.calibrations.withdraw(document, "wrong", NOW)
@@ -68,21 +68,26 @@ def writer(
     context: OpsContext, now: int = NOW, left: Callable[[], float] = lambda: 900.0, **options: Any
 ) -> WeeklyDump:
     dumps, store = dumps_of(context), context.store
-    assert dumps is not None
     figures = Figures(dumps, store.cameras, store.miss_counts, store.calibrations, 3)
     return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
 
 
 def read(stack: Server, name: str) -> bytes | None:
-    assert stack.storage.site is not None
     return stack.storage.site.get(f"dumps/{name}")
+
+
+def latest(stack: Server) -> Dump:
+    return Dump.model_validate_json(read(stack, "latest.json"))
+
+
+def statistics_of(stack: Server) -> Any:
+    return json.loads(read(stack, "statistics.json"))
 
 
 def documents(stack: Server, dump: Dump, kind: str) -> list[dict[str, Any]]:
     found = []
     for file in dump.files:
         content = read(stack, file.name)
-        assert content is not None
         assert (len(content), hashlib.sha256(content).hexdigest()) == (file.size, file.sha256)
         lines = gzip.decompress(content).splitlines()
         assert len(lines) == file.count
@@ -104,26 +109,20 @@ def test_dump_holds_what_was_given_and_names_nobody(stack: Server, context: OpsC
     assert {(one["licence"], one["licence_version"]) for one in (*found, *votes)} == {tuple(GIVEN.values())}
     everything = json.dumps([found, votes])
     assert not [word for word in ("Anna", "contributor 0", "127.0.0.1") if word in everything]
-    latest = json.loads(read(stack, "latest.json") or b"")
-    statistics = json.loads(read(stack, "statistics.json") or b"")
-    assert Dump.model_validate_json(json.dumps(latest)) == dump
+    statistics = statistics_of(stack)
+    assert latest(stack) == dump
     # All of it as the schema says, which the page links.
     for value, model in (
-        (latest, "Dump"),
+        (json.loads(read(stack, "latest.json")), "Dump"),
         (statistics, "Statistics"),
         (found[0], "CalibrationDocument"),
         (votes[0], "VoteDocument"),
     ):
         Draft202012Validator({**SCHEMA, "$ref": f"#/$defs/{model}"}).validate(value)
     (snapshot,) = statistics["history"]
-    assert (snapshot["calibrations"], snapshot["cameras"], snapshot["contributors"], snapshot["given"]) == (
-        18,
-        3,
-        18,
-        9,
-    )
-    again = publish_dump(context)
-    other = documents(stack, again, "calibrations")
+    counts = [snapshot[name] for name in ("calibrations", "cameras", "contributors", "given")]
+    assert counts == [18, 3, 18, 9]
+    other = documents(stack, publish_dump(context), "calibrations")
     assert {one["contributor"] for one in found}.isdisjoint(one["contributor"] for one in other)
 
 
@@ -132,8 +131,7 @@ def test_dump_survives_a_crash_at_every_write(
 ) -> None:
     """Small parts, and an end before or after every write: `latest.json` names a whole dump throughout."""
     fill(context.store, 12)
-    first = writer(context, NOW).run()
-    assert first is not None
+    assert writer(context, NOW).run() is not None
     later = NOW + PERIOD_S
     writes = 0
 
@@ -162,20 +160,18 @@ def test_dump_survives_a_crash_at_every_write(
                 writer(context, later, max_part_bytes=1000).run()
             except CrashError:
                 crashes += 1
-        named = Dump.model_validate_json(read(stack, "latest.json") or b"")
+        named = latest(stack)
         assert named.created in (NOW, later)
-        assert len(documents(stack, named, "calibrations")) == 11
+        ids = [one["id"] for one in documents(stack, named, "calibrations")]
+        assert len(ids) == len(set(ids)) == 11
         if named.created == later:
             break
     assert crashes >= 5
-    final = Dump.model_validate_json(read(stack, "latest.json") or b"")
-    assert (final.created, len(final.files) >= 5) == (later, True)
-    ids = [one["id"] for one in documents(stack, final, "calibrations")]
-    assert len(ids) == len(set(ids)) == 11
+    assert (named.created, len(named.files) >= 5) == (later, True)
     # What is left of it is thrown away with the next call, and the key with it.
     writer(context, later).run()
     assert writer(context, later).dumps.draft() is None
-    assert json.loads(read(stack, "statistics.json") or b"")["history"][-1]["calibrations"] == 11
+    assert statistics_of(stack)["history"][-1]["calibrations"] == 11
 
 
 def test_dump_stops_when_its_time_is_up_and_goes_on(stack: Server, context: OpsContext) -> None:
@@ -202,13 +198,10 @@ def test_two_writers_make_one_dump(stack: Server, context: OpsContext) -> None:
             overtaken.append(writer(context, max_part_bytes=2000).run())
         return original(draft, tag)
 
-    slow.dumps.advance = advance  # type: ignore[method-assign]
+    slow.dumps.advance = advance
     assert slow.run() is None
-    (dump,) = overtaken
-    assert dump is not None
-    named = Dump.model_validate_json(read(stack, "latest.json") or b"")
-    assert named == dump
-    assert len({one["id"] for one in documents(stack, named, "calibrations")}) == 11
+    assert overtaken == [latest(stack)]
+    assert len({one["id"] for one in documents(stack, latest(stack), "calibrations")}) == 11
 
 
 def test_wanted_cameras_are_named_by_no_strangers_words(stack: Server, context: OpsContext) -> None:
@@ -226,7 +219,7 @@ def test_wanted_cameras_are_named_by_no_strangers_words(stack: Server, context: 
     store.miss_counts.add({keys[doubted]: 4, USB + "046d:0003": 50}, NOW - 80 * 86_400)
     store.miss_counts.add({keys[doubted]: 1000}, NOW - 100 * 86_400)
     writer(context).run()
-    statistics = json.loads(read(stack, "statistics.json") or b"")
+    statistics = statistics_of(stack)
     named = [(one["camera"], one["key"], one["asked"]) for one in statistics["wanted"]]
     assert named == [(doubted, keys[doubted], 9), ("Logitech, Inc. (046d:0825)", None, 7)]
     assert "pills" not in json.dumps(statistics)
@@ -237,19 +230,15 @@ def test_forgetting_replaces_the_dumps(stack: Server, context: OpsContext) -> No
     made = fill(context.store, 4)
     before = publish_dump(context)
     withdrawal.forget(context, {made[0].contributor})
-    dumps = dumps_of(context)
-    assert dumps is not None
-    now = Dump.model_validate_json(read(stack, "latest.json") or b"")
+    now = latest(stack)
     assert made[0].id not in {one["id"] for one in documents(stack, now, "calibrations")}
     assert now.counts.calibrations == 3
     for file in before.files:
         if file.count and file not in now.files:
             assert read(stack, file.name) is None
-    assert LATEST in dumps.names()
 
 
 def test_bundle_of_known_cameras_says_its_licence(stack: Server, context: OpsContext) -> None:
-    """Of two known cameras one was given whole; of the other, a calibration came without a licence."""
     store = context.store
     given, mixed = C920, "Microsoft LifeCam HD-3000 (045e:0779)"
     for label in (given, mixed):
@@ -259,8 +248,8 @@ def test_bundle_of_known_cameras_says_its_licence(stack: Server, context: OpsCon
             store.calibrations.publish(document.model_copy(update=GIVEN if consented else {}))
         put(store, consensus(camera=label, platform=LINUX))
     publish_dump(context)
-    told = json.loads(read(stack, "statistics.json") or b"")["bundle"]
-    content = read(stack, told["name"]) or b""
+    told = statistics_of(stack)["bundle"]
+    content = read(stack, told["name"])
     assert (len(content), hashlib.sha256(content).hexdigest()) == (told["size"], told["sha256"])
     bundle = json.loads(content)
     licences = {camera["camera"]: camera.get("licence") for camera in bundle["cameras"]}

@@ -1,4 +1,4 @@
-"""Well-known USB ids of a name: concurrent computations of two sizes leave the right list."""
+"""Well-known USB ids of a name."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -17,18 +17,20 @@ from tests.helpers.service.stores import with_methods
 RULES = Thresholds(min_contributors=3, contributor_period=0)
 
 
+def refresh(store: Store, label: str) -> None:
+    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
+
+
 def well_known(store: Store, label: str) -> bool:
     identity = identify(label, LINUX)
-    marks = {identity.key in store.cameras.known(name).well_known for name in identity.name_keys}
-    assert len(marks) == 1
-    return marks.pop()
+    (mark,) = {identity.key in store.cameras.known(name).well_known for name in identity.name_keys}
+    return mark
 
 
 @pytest.mark.parametrize("reliable", [True, False])
 def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
     """One size's computation has read everything; before it writes, another size's comes and goes."""
     label = f"Overtaken X9 (1111:00{reliable:02d})"
-    key = camera_key(label, LINUX)
     small = fit((640, 360), 475.0)
     store.calibrations.publish(calibration(label))
     store.calibrations.publish(calibration(label, number=1, of=small))
@@ -36,8 +38,8 @@ def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
     if not reliable:
         put(store, stored)
     else:
-        well_known_ids.refresh_well_known(store, key, RULES)
-    overtaken: list[bool] = []
+        refresh(store, label)
+    overtaken = []
 
     def slow(camera: str, names: Iterable[str], support: IdSupport | None) -> bool:
         if not overtaken:
@@ -46,11 +48,11 @@ def test_overtaken_refresh_reads_again(store: Store, reliable: bool) -> None:
                 put(store, stored)
             else:
                 assert store.consensuses.drop(stored)
-            well_known_ids.refresh_well_known(store, key, RULES)
+            refresh(store, label)
         return store.cameras.set_id_support(camera, names, support)
 
     slowed = replace(store, cameras=with_methods(store.cameras, set_id_support=slow))
-    well_known_ids.refresh_well_known(slowed, key, RULES)
+    refresh(slowed, label)
     assert overtaken == [not reliable], "it had seen what was there before"
     assert well_known(store, label) is reliable
 
@@ -62,7 +64,7 @@ def test_id_is_well_known_by_one_reliable_size(store: Store) -> None:
     store.calibrations.publish(calibration(label, of=small, resize_mode="crop-and-scale"))
     store.calibrations.publish(calibration(label, number=1))
     put(store, consensus(small, camera=label), consensus(camera=label, reason="too_few"))
-    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
+    refresh(store, label)
     assert well_known(store, label)
 
 
@@ -73,11 +75,11 @@ def test_id_whose_calibrations_disagree_is_not_well_known(store: Store) -> None:
         store.calibrations.publish(calibration(label, number=number))
     alone = consensus(camera=label, reason="too_few", calibrations=1)
     put(store, alone.model_copy(update={"total": 3}))
-    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
+    refresh(store, label)
     assert not well_known(store, label)
     assert store.consensuses.drop(alone)
     put(store, consensus(camera=label, reason="too_few", calibrations=3))
-    well_known_ids.refresh_well_known(store, camera_key(label, LINUX), RULES)
+    refresh(store, label)
     assert well_known(store, label), "three that agree are some evidence"
 
 

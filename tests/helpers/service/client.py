@@ -12,6 +12,7 @@ import numpy as np
 
 from infra.server.server import Server
 from infra.web_build.openapi import OPERATIONS
+from infra.web_build.operation import Operation
 from tests.helpers.service.in_process import request
 
 TOKEN = "cdb_dev_local"
@@ -30,18 +31,19 @@ class Answer:
 
     @property
     def kind(self) -> str:
-        """The name of a problem's type."""
         return str(self.json["type"]).rpartition("#")[2]
 
     @property
+    def problem(self) -> tuple[int, str]:
+        return self.status, self.kind
+
+    @property
     def fields(self) -> list[str]:
-        """Names of the fields that a 422 refuses."""
         assert self.status == 422, self
         return [error["field"] for error in self.json["errors"]]
 
 
 def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
-    """Wait for what is computed asynchronously; only what fails is waited for so long."""
     end = time.monotonic() + seconds
     while not (found := holds()):
         assert time.monotonic() < end, "it did not happen in time"
@@ -49,13 +51,12 @@ def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
     return found
 
 
-def documented(method: str, path: str) -> set[int]:
-    """Return the statuses that the OpenAPI document promises; a wrong path or method has its own."""
+def described(method: str, path: str) -> Operation | None:
     for operation in OPERATIONS:
         pattern = re.sub(r"\\{[^}]*\\}", "[^/]+", re.escape(operation.path))
         if operation.method.upper() == method and re.fullmatch(pattern, path):
-            return {*operation.answers, *operation.all_problems}
-    return {404, 405}
+            return operation
+    return None
 
 
 EDGE = "only the edge knows this"
@@ -82,14 +83,17 @@ class Client:
         query: str = "",
         headers: Mapping[str, str] | None = None,
     ) -> Answer:
-        """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends the session id."""
+        """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends what is wanted."""
+        operation = described(method, path)
+        if token is None:
+            wants_session = operation is None or "sessionId" in operation.credentials
+            token = self.session_id if wants_session else self.api_token if operation.credentials else ""
         sent = dict(headers or {})
         in_process = isinstance(self.stack, Server)
         if self.address and not in_process:
             sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
-        credential = self.session_id if token is None else token
-        if credential:
-            sent["authorization"] = f"Bearer {credential}"
+        if token:
+            sent["authorization"] = f"Bearer {token}"
         content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
         if content:
             sent.setdefault("content-type", "application/json")
@@ -99,7 +103,8 @@ class Client:
         else:
             response = self.stack.request(method, path, headers=sent, query=query, body=content)
         answer = Answer(response.status, response.headers, response.body)
-        assert answer.status in documented(method, path), (method, path, answer)
+        promised = {*operation.answers, *operation.all_problems} if operation else {404, 405}
+        assert answer.status in promised, (method, path, answer)
         if answer.status >= 400:
             assert answer.headers["content-type"] == "application/problem+json", answer
             assert {"type", "title", "status", "detail"} <= answer.json.keys(), answer
@@ -107,13 +112,11 @@ class Client:
         return answer
 
     def authenticate(self, token: str | None = None) -> None:
-        """Get a session id."""
-        opened = self.call("POST", "/v1/auth", token=token or self.api_token)
+        opened = self.call("POST", "/v1/auth", token=token)
         assert opened.status == 201, opened.body
         self.session_id = opened.json["session_id"]
 
     def open(self, **start: object) -> Answer:
-        """Start a session under an id of its own."""
         self.authenticate()
         return self.call("POST", "/v1/session", {**CAMERA, **start})
 
@@ -126,13 +129,21 @@ class Client:
     def state(self) -> Any:
         return self.call("GET", "/v1/session").json
 
+    def finish(self) -> Answer:
+        return self.call("POST", "/v1/session/finish")
+
+    def forget(self) -> Answer:
+        return self.call("DELETE", "/v1/session")
+
+    def calibration(self, name: object, query: str = "") -> Answer:
+        return self.call("GET", f"/v1/calibrations/{name}", query=query)
+
     def check(self, views: object, **asked: object) -> Answer:
-        """Check views, in a session of its own."""
         self.authenticate()
         return self.call("POST", "/v1/checks", {**CAMERA, "views": views, **asked})
 
     def lookup(self, **asked: object) -> Answer:
-        return self.call("POST", "/v1/lookup", {**CAMERA, **asked}, token=self.api_token)
+        return self.call("POST", "/v1/lookup", {**CAMERA, **asked})
 
 
 @dataclass
@@ -182,7 +193,6 @@ class Truth:
         return seen.tolist(), points[seen].tolist()
 
     def show(self, client: Client) -> Answer:
-        """Hold the board as a session asks, and send the view."""
         pose = client.pose()
         assert pose.status == 200, pose.body
         answer = client.view(pose.json["index"], *self.see(pose.json))
@@ -196,7 +206,6 @@ class Truth:
         return self.finish(client, max_views)
 
     def finish(self, client: Client, max_views: int = 12) -> Any:
-        """Go on with a guided capture, and return the state it ends in."""
         for _ in range(max_views):
             answer = self.show(client)
             if answer.json["status"] == "converged":

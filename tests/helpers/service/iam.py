@@ -26,8 +26,6 @@ _ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "trans
 
 @dataclass(frozen=True)
 class Needed:
-    """One action that one call needs."""
-
     action: str
     resource: str
     keys: frozenset[str] = frozenset()  # DynamoDB's leading keys
@@ -38,8 +36,6 @@ class Needed:
 
 @dataclass(frozen=True)
 class Grant:
-    """One statement of a function's role."""
-
     sid: str
     actions: tuple[str, ...]
     resources: tuple[str, ...]
@@ -49,32 +45,32 @@ class Grant:
         return (
             needed.action in self.actions
             and any(fnmatch.fnmatchcase(needed.resource, pattern) for pattern in self.resources)
-            and all(self._holds(kind, tests, needed) for kind, tests in self.conditions.items())
+            and all(
+                _meets(needed, kind, name, allowed)
+                for kind, tests in self.conditions.items()
+                for name, allowed in tests.items()
+            )
         )
 
     @property
     def attributes(self) -> frozenset[str]:
-        """The attributes of an item that the statement's writes may touch."""
         return frozenset(self.conditions.get("ForAllValues:StringEquals", {}).get("dynamodb:Attributes", ()))
 
-    @staticmethod
-    def _holds(kind: str, tests: Mapping[str, Any], needed: Needed) -> bool:
-        for name, allowed in tests.items():
-            if (kind, name) == ("ForAllValues:StringLike", "dynamodb:LeadingKeys"):
-                if not all(any(fnmatch.fnmatchcase(k, a) for a in allowed) for k in needed.keys):
-                    return False
-            elif (kind, name) == ("ForAllValues:StringEquals", "dynamodb:Attributes"):
-                if not (needed.attributes or frozenset()) <= set(allowed):
-                    return False
-            elif (kind, name) == ("StringEqualsIfExists", "dynamodb:ReturnValues"):
-                if needed.returned is not None and needed.returned not in allowed:
-                    return False
-            elif (kind, name) == ("StringLike", "s3:prefix"):
-                if not any(fnmatch.fnmatchcase(needed.prefix or "", a) for a in allowed):
-                    return False
-            else:
-                raise AssertionError(f"a condition that is not known here: {kind} {name}")
-        return True
+
+def _meets(needed: Needed, kind: str, name: str, allowed: Any) -> bool:
+    def is_like(value: str) -> bool:
+        return any(fnmatch.fnmatchcase(value, pattern) for pattern in allowed)
+
+    match kind, name:
+        case "ForAllValues:StringLike", "dynamodb:LeadingKeys":
+            return all(map(is_like, needed.keys))
+        case "ForAllValues:StringEquals", "dynamodb:Attributes":
+            return (needed.attributes or frozenset()) <= set(allowed)
+        case "StringEqualsIfExists", "dynamodb:ReturnValues":
+            return needed.returned is None or needed.returned in allowed
+        case "StringLike", "s3:prefix":
+            return is_like(needed.prefix or "")
+    raise AssertionError(f"a condition that is not known here: {kind} {name}")
 
 
 def listed(value: Any) -> tuple[Any, ...]:
@@ -85,23 +81,20 @@ def listed(value: Any) -> tuple[Any, ...]:
 def grants(kind: str = "AWS::Serverless::Function") -> dict[str, tuple[Grant, ...]]:
     """Permissions that the template grants each resource of this type that is always deployed."""
     document, resolve = template()
+
+    def grant(statement: Mapping[str, Any]) -> Grant:
+        resources = tuple(map(resolve, listed(statement["Resource"])))
+        actions = listed(statement["Action"])
+        return Grant(statement["Sid"], actions, resources, statement.get("Condition", {}))
+
     return {
-        name: tuple(
-            Grant(
-                s["Sid"],
-                listed(s["Action"]),
-                tuple(map(resolve, listed(s["Resource"]))),
-                s.get("Condition", {}),
-            )
-            for s in statements(document, resource["Properties"])
-        )
+        name: tuple(map(grant, statements(document, resource["Properties"])))
         for name, resource in document["Resources"].items()
         if resource["Type"] == kind and "Condition" not in resource
     }
 
 
 def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """The statements of a function's own policies, and of the managed policies that it refers to."""
     for policy in properties["Policies"]:
         if "Ref" in policy:
             policy = document["Resources"][policy["Ref"]]["Properties"]["PolicyDocument"]
@@ -144,7 +137,6 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
 
 
 def definition(machine: Mapping[str, Any]) -> Any:
-    """The state machine's definition (Amazon States Language)."""
     return json.loads((ROOT / machine["DefinitionUri"]).read_text())
 
 
@@ -160,24 +152,22 @@ def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Ne
     action = _ACTIONS.get(operation) or "".join(word.title() for word in operation.split("_"))
     match service:
         case "lambda":
-            yield Needed(
-                f"lambda:{action}", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{asked['FunctionName']}"
-            )
+            function = f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{asked['FunctionName']}"
+            yield Needed(f"lambda:{action}", function)
         case "s3" if operation == "list_objects_v2":
             yield Needed("s3:ListBucket", f"arn:aws:s3:::{asked['Bucket']}", prefix=asked["Prefix"])
         case "s3":
-            for name in (
-                [o["Key"] for o in asked["Delete"]["Objects"]] if "Delete" in asked else [asked["Key"]]
-            ):
-                yield Needed(f"s3:{action}", f"arn:aws:s3:::{asked['Bucket']}/{name}")
+            objects = asked["Delete"]["Objects"] if "Delete" in asked else [asked]
+            for place in (f"arn:aws:s3:::{asked['Bucket']}/{each['Key']}" for each in objects):
+                yield Needed(f"s3:{action}", place)
                 if "IfMatch" in asked:  # S3 reads what it compares with
-                    yield Needed("s3:GetObject", f"arn:aws:s3:::{asked['Bucket']}/{name}")
+                    yield Needed("s3:GetObject", place)
         case "dynamodb":
             for part in [w["Put"] for w in asked["TransactItems"]] if "TransactItems" in asked else [asked]:
                 yield Needed(
                     f"dynamodb:{action}",
                     f"arn:aws:dynamodb:{REGION}:{ACCOUNT}:table/{part['TableName']}",
-                    frozenset(_keys(part)),
+                    frozenset({_key(part)}),
                     frozenset(_attributes(part)) if operation == "update_item" else None,
                     part.get("ReturnValues"),
                 )
@@ -185,13 +175,12 @@ def needs(service: str, operation: str, asked: Mapping[str, Any]) -> Iterator[Ne
             raise AssertionError(f"a service that is not known here: {service}")
 
 
-def _keys(asked: Mapping[str, Any]) -> Iterator[str]:
+def _key(asked: Mapping[str, Any]) -> str:
     key = asked.get("Key") or asked.get("Item")
     if key is not None:
-        yield key["pk"]["S"]
-    else:
-        assert asked["KeyConditionExpression"].startswith("pk = :pk ")
-        yield asked["ExpressionAttributeValues"][":pk"]["S"]
+        return str(key["pk"]["S"])
+    assert asked["KeyConditionExpression"].startswith("pk = :pk ")
+    return str(asked["ExpressionAttributeValues"][":pk"]["S"])
 
 
 def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
@@ -201,8 +190,6 @@ def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
 
 @dataclass
 class Recorder:
-    """Permissions that functions needed, recorded while its block lasts."""
-
     needed: set[tuple[str, Needed]]
 
     @contextmanager
@@ -226,7 +213,6 @@ class Recorder:
 
 
 def running() -> str | None:
-    """The function in whose handler this is called."""
     return _running.get()
 
 

@@ -36,7 +36,7 @@ def request(
     }
     if body:
         sent["content-length"] = str(len(body))
-    scope: dict[str, Any] = {
+    scope = {
         "type": "http",
         "asgi": {"version": "3.0"},
         "http_version": "1.1",

@@ -1,10 +1,12 @@
 """Calls of the ports of storage in a test's hands: counted, refused, lost."""
 
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
+from calibdb.errors import UnavailableError
 from calibdb.store.ports import Storage
 from calibdb.store.storage import opened
 from tests.helpers.service.stores import override_service, with_methods
@@ -60,4 +62,23 @@ def intercepted_service(storage: Storage, around: Around, **build: Any) -> Itera
     """As `intercepted`, for services that exist already; `build`: arguments of `Service.build`."""
 
     with intercepted(storage, around), override_service(**build):
+        yield
+
+
+@contextmanager
+def crash_after(storage: Storage, writes: int, **build: Any) -> Iterator[None]:
+    """Lose every write after so many that wrote something: those of a process that was killed there."""
+    done, lock = [0], threading.Lock()
+
+    def around(operation: str, call: Callable[[], Any]) -> Any:
+        if operation not in WRITES:
+            return call()
+        with lock:
+            if done[0] >= writes:
+                raise UnavailableError("Storage did not answer.")
+            result = call()
+            done[0] += result is not False
+        return result
+
+    with intercepted_service(storage, around, **build):
         yield

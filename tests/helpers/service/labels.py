@@ -23,7 +23,6 @@ SOURCES: Final = ("typed", pytest.param("external", marks=external_data))
 
 
 def rows(source: str) -> list[LabelRow]:
-    """Labels of `tests/data/labels.csv`, or those of CALIBDB_DATA."""
     folder = ROOT / "tests" / "data" if source == "typed" else data_dir()
     with (folder / "labels.csv").open(encoding="utf-8") as file:
         return [

@@ -26,7 +26,6 @@ class ProofHost:
     asked: list[bytes] = field(default_factory=list)
 
     def connect(self, _: str, timeout_s: float) -> socket.socket:
-        """Connect here, whatever the address, and show a public one as the peer's."""
         connection = _Elsewhere(socket.AF_INET, socket.SOCK_STREAM)
         connection.settimeout(timeout_s)
         connection.connect(("127.0.0.1", self.port))

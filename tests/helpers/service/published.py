@@ -28,7 +28,6 @@ def store(stack: Server) -> Store:
 
 
 def publish(stack: Server, *documents: schema.CalibrationDocument, models: Sequence[str] = MODELS) -> None:
-    """Publish calibrations, and compute the consensuses of their modes."""
     at_rest = store(stack)
     for document in documents:
         at_rest.calibrations.publish(document)
@@ -53,7 +52,6 @@ def held(
 
 
 def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list[dict[str, Any]]:
-    """Views of a board held by hand, as requests have them."""
     return [{"ids": ids, "points": points} for ids, points in held(truth, count, tilts)]
 
 
@@ -61,7 +59,6 @@ def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list
 def fitted(
     n: int, views: int, **truth: Any
 ) -> tuple[tuple[tuple[list[int], list[list[float]]], ...], schema.FitRecord]:
-    """Views of a camera, and the fit to them, made once in a process."""
     seen = tuple(held(Truth(seed=n, **truth), views))
     record = fit([BOARD.view(ids, points) for ids, points in seen], IMG_SIZE).record()
     return seen, schema.FitRecord.model_validate(record)
@@ -110,3 +107,14 @@ def mode_of(document: schema.CalibrationDocument) -> StreamMode:
 def asked(mode: StreamMode, *models: str) -> schema.RefitRequest:
     """The request for the consensus; of all models, where none is named."""
     return schema.RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=models)
+
+
+def pooled(store: Store, document: schema.CalibrationDocument) -> Any:
+    """Compute the rectilinear consensus of a calibration's mode."""
+    (found,) = store.refit.now(asked(mode_of(document), "rectilinear")).models.values()
+    return found
+
+
+def stored(store: Store, document: schema.CalibrationDocument, model: str = "rectilinear") -> Any:
+    (found,) = (one for one in store.consensuses.at(mode_of(document)) if one.distortion_model == model)
+    return found

@@ -1,7 +1,6 @@
 """A server in another process, as `Client` speaks to it."""
 
 from collections.abc import Mapping
-from types import TracebackType
 from typing import Self
 
 import httpx
@@ -10,17 +9,13 @@ from tests.helpers.service.in_process import Response
 
 
 class Remote:
-    """The server at an address."""
-
     def __init__(self, url: str) -> None:
         self.http = httpx.Client(base_url=url, timeout=60)
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.http.close()
 
     def request(
@@ -31,7 +26,7 @@ class Remote:
         query: str = "",
         body: bytes = b"",
     ) -> Response:
-        """Send a request; raises httpx.TransportError if the server is gone."""
+        """Response of the server; raises httpx.TransportError if it is gone."""
         address = f"{path}?{query}" if query else path
         answer = self.http.request(method, address, headers=dict(headers or {}), content=body)
         return Response(answer.status_code, dict(answer.headers), answer.content)

@@ -51,12 +51,10 @@ class RigTruth:
         self.sent = [0] * self.count
 
     def request(self, position: int) -> dict[str, object]:
-        """Body of the request that starts the session of a camera."""
         board = {"squares": list(self.squares), "dictionary": self.dictionary}
         return {**CAMERA, "camera": f"Rig camera {position}", "board": board, **self.start}
 
     def open(self, **more: object) -> "RigTruth":
-        """Make the rig, of `more` facts, and let every camera join it."""
         leader = self.clients[0]
         assert leader.open(**self.request(0)).status == 201
         made = leader.call("POST", "/v1/rigs", {"cameras": self.count, **more})
@@ -68,18 +66,15 @@ class RigTruth:
         return self
 
     def join(self, position: int, **rig: object) -> Answer:
-        """Let a camera join, by the code unless told how."""
         wanted = rig or {"code": self.join_code, "position": position}
         return self.clients[position].open(**self.request(position), rig=wanted)
 
     def call(
         self, method: str, path: str = "", body: object = None, position: int = 0, **more: Any
     ) -> Answer:
-        """Ask for something of the rig."""
         return self.clients[position].call(method, f"/v1/rigs/{self.rig_id}{path}", body, **more)
 
     def state(self, position: int = 0) -> Any:
-        """State of the rig, as the client of a camera sees it."""
         answer = self.call("GET", position=position)
         assert answer.status == 200, answer.body
         return answer.json
@@ -100,7 +95,6 @@ class RigTruth:
         return RigidMotion(r, place - r @ [self.squares[0] / 2, self.squares[1] / 2, 0])
 
     def see(self, position: int, pose: RigidMotion) -> tuple[list[int], list[list[float]]]:
-        """Return ids and points that a detector finds in the picture of a camera."""
         truth, pose = self.cameras[position], self.motions[position] @ pose
         is_behind = pose(truth.board)[:, 2] <= 0.5
         seen = zip(*truth.detect(rotation.vector(pose.r), pose.t), strict=True)
@@ -129,5 +123,4 @@ class RigTruth:
         return answer
 
     def result(self, name: str = "json") -> Answer:
-        """Download the result."""
         return self.call("GET", "/result", query=f"format={name}", token=self.api_token)

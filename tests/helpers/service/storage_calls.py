@@ -18,18 +18,15 @@ IDLE_S = 60.0
 
 
 class _NothingNew(AliasFilter):
-    """A filter that has seen everything."""
-
     def admit(self, *_: object) -> bool:
         return False
 
 
 @contextmanager
 def lasting_tokens(*, report: bool = True) -> Iterator[None]:
-    """Read each API token once within the block, however long it takes.
+    """Read each API token once within the block, and not again after half a minute.
 
-    Otherwise a token is read anew after half a minute, in the midst of what is counted. `report`: whether
-    lookups report the labels under which they hit, which they do once, and an instance its first miss.
+    `report`: whether lookups report the labels under which they hit, and an instance its first miss.
     """
 
     @functools.cache
@@ -49,10 +46,9 @@ def storage_calls(stack: Server) -> Iterator[list[str]]:
     """Names of the operations that the block's requests ask of table, bucket and queue.
 
     Jobs of earlier requests are done before the block begins, those of its own before its names are complete.
-    The development token has been read before, all labels and a miss have been reported.
     """
     stack.wait_until_idle(IDLE_S)
-    names: list[str] = []
+    names = []
 
     def record(operation: str, call: Callable[[], Any]) -> Any:
         names.append(operation)

@@ -26,13 +26,7 @@ def with_methods(part: Any, **methods: Callable[..., Any]) -> Any:
 
 @contextmanager
 def override_service(change: Callable[[Store], Store] = lambda store: store, **build: Any) -> Iterator[None]:
-    """Have the functions use what `change` makes of their storage, within the block.
-
-    Parameters
-    ----------
-    build
-        What `Service.build` takes besides.
-    """
+    """Have the functions use what `change` makes of their storage; `build`: more for `Service.build`."""
 
     @functools.cache
     def make(settings: Settings) -> Service:

@@ -23,7 +23,9 @@ def standing_clock(**more: Any) -> Iterator[Clock]:
 
 
 def make(client: Client, *origins: str, **named: object) -> Any:
-    answer = client.call("POST", "/v1/tokens", {"origins": list(origins), **named}, token="")
+    """Make a token for origins, or for programs and pages of the machine itself."""
+    body = {"origins": origins or ("http://localhost",), **named}
+    answer = client.call("POST", "/v1/tokens", body)
     assert answer.status == 201, answer.body
     return answer.json
 
@@ -35,6 +37,10 @@ def ask(client: Client, token: str, origin: str | None = None) -> Answer:
 
 def manage(client: Client, method: str, made: Any, action: str = "", body: object = None) -> Answer:
     return client.call(method, f"/v1/tokens/self{action}", body, token=made["management_token"])
+
+
+def rotate(client: Client, made: Any, **body: object) -> Any:
+    return manage(client, "POST", made, "/rotate", body or None).json
 
 
 def states(answer: Answer) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """Storage that misbehaves: throttles, fails, keeps silent, or answers what was true a while ago."""
 
+import functools
 import json
 import random
 import threading
@@ -40,8 +41,6 @@ def broken(name: str) -> Fault:
 
 
 def unreached(_: str) -> Fault:
-    """The request is lost, and nothing happens."""
-
     def fault(_: Service, __: str, request: AWSPreparedRequest) -> Answer:
         raise ReadTimeoutError(endpoint_url=request.url)
 
@@ -49,13 +48,21 @@ def unreached(_: str) -> Fault:
 
 
 def unheard(_: str) -> Fault:
-    """It is done, and the answer is lost."""
-
     def fault(service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
         service(operation, request)
         raise ReadTimeoutError(endpoint_url=request.url)
 
     return fault
+
+
+@contextmanager
+def handled(handle: Callable[[str, Service, str, AWSPreparedRequest], Answer]) -> Iterator[None]:
+    """Handle each request by its service's name, the service, and the operation; boto3 retries at once."""
+    with pytest.MonkeyPatch.context() as patch:
+        # Pauses between attempts are real seconds; that there are attempts is what matters here.
+        patch.setattr(botocore.endpoint, "time", SimpleNamespace(sleep=lambda _: None))
+        with wrapping(lambda name, service: functools.partial(handle, name, service)):
+            yield
 
 
 @contextmanager
@@ -68,49 +75,36 @@ def faulty(
     """A share of the requests of these services go wrong; yields the operations that did."""
     rng, met = random.Random(seed), list[str]()
 
-    def around(name: str, service: Service) -> Service:
-        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
-            if rng.random() >= share:
-                return service(operation, request)
-            met.append(operation)
-            return fault(name)(service, operation, request)
+    def handle(name: str, service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
+        if name not in services or rng.random() >= share:
+            return service(operation, request)
+        met.append(operation)
+        return fault(name)(service, operation, request)
 
-        return handle
-
-    with wrapped_without_pauses(lambda name, s: around(name, s) if name in services else s):
+    with handled(handle):
         yield met
 
 
 @contextmanager
 def stale() -> Iterator[list[str]]:
     """Reads that may be eventually consistent answer as they first did within the block."""
-    first: dict[tuple[str, bytes], Answer] = {}
-    met: list[str] = []
+    first = {}
+    met = []
 
-    def around(dynamodb: Service) -> Service:
-        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
-            body = request.body if isinstance(request.body, bytes) else b"{}"
-            if operation not in ("GetItem", "Query") or json.loads(body).get("ConsistentRead"):
-                return dynamodb(operation, request)
-            key = (operation, body)
-            if key in first:
-                met.append(operation)
-            return first.setdefault(key, first.get(key) or dynamodb(operation, request))
+    def handle(name: str, service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
+        body = request.body if isinstance(request.body, bytes) else b"{}"
+        is_read = name == "dynamodb" and operation in ("GetItem", "Query")
+        if not is_read or json.loads(body).get("ConsistentRead"):
+            return service(operation, request)
+        key = (operation, body)
+        if key in first:
+            met.append(operation)
+        else:
+            first[key] = service(operation, request)
+        return first[key]
 
-        return handle
-
-    with wrapped_without_pauses(lambda name, s: around(s) if name == "dynamodb" else s):
+    with handled(handle):
         yield met
-
-
-@contextmanager
-def wrapped_without_pauses(wrap: Callable[[str, Service], Service]) -> Iterator[None]:
-    """Wrap the services of the running stack; boto3 retries without its pauses."""
-    with pytest.MonkeyPatch.context() as patch:
-        # Pauses between attempts are real seconds; that there are attempts is what matters here.
-        patch.setattr(botocore.endpoint, "time", SimpleNamespace(sleep=lambda _: None))
-        with wrapping(wrap):
-            yield
 
 
 @contextmanager
@@ -120,29 +114,24 @@ def denied(which: Callable[[int], bool], *, listing: bool = False) -> Iterator[l
     `listing`: it denies lists of the bucket, too.
     """
     lock = threading.Lock()
-    met: list[str] = []
+    met = []
 
-    def around(s3: Service) -> Service:
-        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
-            if operation.startswith("ListObjects") and listing:
-                return _error("s3", 403, "AccessDenied")
-            if operation != "GetObject":
-                return s3(operation, request)
+    def handle(name: str, service: Service, operation: str, request: AWSPreparedRequest) -> Answer:
+        is_denied = listing and name == "s3" and operation.startswith("ListObjects")
+        if name == "s3" and operation == "GetObject":
             with lock:
+                is_denied = which(len(met))
                 met.append(request.url)
-                number = len(met) - 1
-            return _error("s3", 403, "AccessDenied") if which(number) else s3(operation, request)
+        return _error("s3", 403, "AccessDenied") if is_denied else service(operation, request)
 
-        return handle
-
-    with wrapped_without_pauses(lambda name, s: around(s) if name == "s3" else s):
+    with handled(handle):
         yield met
 
 
 @contextmanager
 def watched_requests(stack: LocalStack) -> Iterator[set[str]]:
     """Nothing goes wrong; yields the paths of the CORS preflights that the gateway is sent."""
-    met: set[str] = set()
+    met = set()
     handle = stack.gateway.handle
 
     def watching(request: Request) -> Response:

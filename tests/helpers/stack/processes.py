@@ -5,12 +5,13 @@ import re
 import signal
 import subprocess
 import sys
+import sysconfig
 import threading
 import time
+import venv
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import httpx
@@ -28,54 +29,69 @@ def without_checkout(environment: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def install_wheels(python: Path, *wheels: Path) -> None:
-    """Install wheels, without what they depend on, into the environment of a Python."""
+def environment_of(root: Path, *wheels: Path, startup: str = "") -> Path:
+    """Install wheels into a new environment with the third-party packages of this one.
+
+    Returns the folder of its programs. `startup`: a line that its Python executes first.
+    """
+    venv.create(root / "venv", with_pip=False)
+    scripts = root / "venv" / "bin"
+    python = scripts / "python"
     uv = Path(sys.executable).with_name("uv")
     if uv.exists():  # takes an eighth of pip's time
-        install: list[str | Path] = [uv, "pip", "install", "--python", python]
+        install = [uv, "pip", "install", "--python", python]
     else:
         install = [sys.executable, "-m", "pip", "--python", python, "install", "--no-compile"]
     subprocess.run([*install, "--quiet", "--no-index", "--no-deps", *wheels], check=True)
+    (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
+    (packages / "third-party.pth").write_text(f"{sysconfig.get_path('purelib')}\n{startup}\n")
+    return scripts
 
 
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 
-    `start_seconds` is how long it took to answer its health check.
+    `program`: an installed server, which gets nothing of this checkout. `start_seconds`: until it answered
+    its health check.
     """
 
-    def __init__(self, data_dir: Path, environment: Mapping[str, str] | None = None):
+    def __init__(
+        self, data_dir: Path, environment: Mapping[str, str] | None = None, program: Path | None = None
+    ) -> None:
         self._data_dir = data_dir
-        self._environment = environment or {}
+        self._environment = {"PORT": "0", "DATA_DIR": str(data_dir), **(environment or {})}
+        self._program = program
 
     def __enter__(self) -> Self:
         started = time.monotonic()
         self.log = self._data_dir.parent / f"{self._data_dir.name}.log"
+        if self._program:
+            command = [self._program]
+            variables = without_checkout(os.environ)
+        else:
+            command = [sys.executable, "-m", "infra.server"]
+            # SIGABRT tells what every thread does
+            variables = os.environ | {
+                "PYTHONPATH": "layers/service:layers/solver:.",
+                "PYTHONFAULTHANDLER": "1",
+            }
         with self.log.open("a") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "infra.server"],
-                cwd=ROOT,
-                env=os.environ
-                | {
-                    "PYTHONPATH": os.pathsep.join(("layers/service", "layers/solver", ".")),
-                    "PYTHONFAULTHANDLER": "1",  # SIGABRT tells what every thread does
-                    "PORT": "0",
-                    "DATA_DIR": str(self._data_dir),
-                }
-                | dict(self._environment),
+                command,
+                cwd=self._data_dir.parent if self._program else ROOT,
+                env=variables | self._environment,
                 stdout=subprocess.PIPE,
                 stderr=log,
                 text=True,
                 start_new_session=True,
             )
-        assert self.process.stdout
         watchdog = threading.Timer(180, self.process.kill)
         watchdog.start()
         line = self.process.stdout.readline()
         watchdog.cancel()
         found = re.search(r"http://127\.0\.0\.1:\d+", line)
         if not found:
-            self.__exit__(None, None, None)
+            self.__exit__()
             raise RuntimeError(f"the server did not start: {self.log.read_text()[-2000:]}")
         self.url = found[0]
         assert httpx.get(f"{self.url}/healthz", timeout=60).status_code == 200
@@ -83,19 +99,12 @@ class LocalProcess:
         return self
 
     def kill(self) -> None:
-        """End it and its workers at once, in the middle of whatever they do."""
         with suppress(ProcessLookupError):  # it has ended
             os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
 
     def stop(self, timeout_s: float = 60) -> int:
-        """Ask it to end, what it computes included; return its exit status.
-
-        Raises
-        ------
-        AssertionError
-            If it goes on: what its threads do.
-        """
+        """Ask it to end; return its exit status. AssertionError: what its threads still do."""
         self.process.send_signal(signal.SIGTERM)
         try:
             return self.process.wait(timeout_s)
@@ -107,10 +116,7 @@ class LocalProcess:
             busy = [each for each in threads.split("\n\n") if " in _worker\n" not in each]
             raise AssertionError("\n\n".join(("it does not end:", said[-500:], *busy))) from None
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self.process.poll() is None:
             self.kill()
-        assert self.process.stdout
         self.process.stdout.close()

@@ -1,45 +1,22 @@
-"""A crash between any two writes of a rig loses nothing: the request, sent again, completes the rest."""
+"""A crash between any two writes of a rig loses nothing."""
 
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import functools
+from collections.abc import Callable
 from typing import Any
 from unittest import mock
 
 import pytest
 
 from calibdb.errors import UnavailableError
-from calibdb.store.ports import Storage
 from infra.server.server import Server
-from tests.helpers.service.client import CAMERA, TOKEN, Client
-from tests.helpers.service.client import Answer as Said
-from tests.helpers.service.intercepted import WRITES, intercepted_service
+from tests.helpers.service.client import CAMERA, Answer, Client
+from tests.helpers.service.intercepted import crash_after
 from tests.helpers.service.rigs import RigTruth
 
 MAX_WRITES = 60
 
 
-@contextmanager
-def crash_after(storage: Storage, writes: int) -> Iterator[None]:
-    """Lose every write after so many that wrote something: those of a process that was killed there."""
-    done, lock = [0], threading.Lock()
-
-    def around(operation: str, call: Callable[[], Any]) -> Any:
-        if operation not in WRITES:
-            return call()
-        with lock:
-            if done[0] >= writes:
-                raise UnavailableError("Storage did not answer.")
-            result = call()
-            done[0] += result is not False
-        return result
-
-    with intercepted_service(storage, around):
-        yield
-
-
-def completed(stack: Server, send: Callable[[], Said], check: Callable[[], None] = lambda: None) -> Said:
-    """Send a request again and again, each time killed one write later, until it is answered."""
+def completed(stack: Server, send: Callable[[], Answer], check: Callable[[], None] = lambda: None) -> Answer:
     for writes in range(MAX_WRITES):
         with crash_after(stack.storage, writes):
             answer = send()
@@ -56,56 +33,34 @@ def rig(stack: Server) -> RigTruth:
     return RigTruth(stack, seed=3)
 
 
-def readable(rig: RigTruth, names: list[str]) -> Callable[[], None]:
-    """Make a check that the rig can be read after a crash, and that no moment is lost."""
-
-    def check() -> None:
-        state = rig.state()
-        assert [m["id"] for m in state["moments"]] == names
-        assert all(m["positions"] == [0, 1] for m in state["moments"])
-
-    return check
-
-
 def test_a_whole_capture_survives_a_crash_at_every_write(rig: RigTruth) -> None:
     leader, follower = rig.clients
-    leader.session_id, follower.session_id = (
-        leader.call("POST", "/v1/auth", token=TOKEN).json["session_id"] for _ in range(2)
-    )
-    assert leader.call("POST", "/v1/session", rig.request(0)).status == 201
+    leader.open(**rig.request(0))
+    follower.authenticate()
     made = completed(rig.stack, lambda: leader.call("POST", "/v1/rigs", {"cameras": 2})).json
     rig.rig_id, rig.join_code = made["rig_id"], made["join_code"]
     assert leader.state()["rig"] == {"id": rig.rig_id, "position": 0}
     body = {**rig.request(1), "rig": {"code": rig.join_code}}
     joined = completed(rig.stack, lambda: follower.call("POST", "/v1/session", body))
     assert joined.json["rig"] == {"id": rig.rig_id, "position": 1}
-    names: list[str] = []
     for number in range(4):
-        names.append(f"m{number}")
-        rig.moment(names[-1])
-    check = readable(rig, names)
+        rig.moment(f"m{number}")
     completed(rig.stack, lambda: rig.call("POST", "/moments", {"moment": "m4"}), rig.state)
     pose = rig.held()
-    for position in (0, 1):
-        seen = rig.see(position, pose)
-        sent = {"ids": seen[0], "points": seen[1], "moment": "m4"}
-        client = rig.clients[position]
-        answer = completed(
-            rig.stack, lambda client=client, sent=sent: client.call("POST", "/v1/session/views", sent)
-        )
-        assert answer.json["accepted"]
-    before = rig.state()
-    assert before["moments"][-1]["positions"] == [0, 1]
+    for position, client in enumerate(rig.clients):
+        ids, points = rig.see(position, pose)
+        sent = {"ids": ids, "points": points, "moment": "m4"}
+        send = functools.partial(client.call, "POST", "/v1/session/views", sent)
+        assert completed(rig.stack, send).json["accepted"]
+    assert [m["positions"] for m in rig.state()["moments"]] == [[0, 1]] * 5
     undone = completed(rig.stack, lambda: rig.call("DELETE", "/moments/m4"))
-    assert [m["id"] for m in undone.json["moments"]] == names
-    check()
+    assert [m["id"] for m in undone.json["moments"]] == ["m0", "m1", "m2", "m3"]
+    assert [len(client.state()["views"]) for client in rig.clients] == [4, 4]
     finished = completed(rig.stack, lambda: rig.call("POST", "/finish"))
-    result = finished.json["result"]
     assert rig.state() == finished.json
-    assert rig.result().json == result
-    for position, calibration in enumerate(result["cameras"]):
+    for position, calibration in enumerate(finished.json["result"]["cameras"]):
         assert rig.clients[position].state()["calibration_id"] == calibration
-        stored = leader.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN)
+        stored = leader.calibration(calibration)
         assert len(stored.json["report"]["views"]) == 4, "and the undone one in none"
 
 
@@ -125,7 +80,7 @@ def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: Serve
         assert rig.call("POST", "/finish").status == 503
     assert rig.state()["status"] == "finished"
     moved = rig.clients[1]
-    assert moved.call("DELETE", "/v1/session").status == 204
+    assert moved.forget().status == 204
     assert moved.call("POST", "/v1/session", CAMERA).status == 201
     assert rig.call("POST", "/finish").status == 200
     state = moved.state()
@@ -149,5 +104,5 @@ def test_place_of_a_camera_that_never_came_is_given_away(stack: Server) -> None:
         assert join(lost).status == 503
     assert join(other).status == 422, "it may yet come back"
     assert join(lost).json["rig"]["position"] == 1
-    assert lost.call("DELETE", "/v1/session").status == 204
+    assert lost.forget().status == 204
     assert join(other).json["rig"]["position"] == 1

@@ -21,7 +21,6 @@ def clock() -> Iterator[Clock]:
 
 @pytest.fixture
 def client(stack: Server, clock: Clock, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
-    """A client at an address of its own for each test."""
     number = zlib.crc32(request.node.name.encode())
     return Client(stack, address=f"198.51.{number % 251}.{number // 251 % 251}")
 
@@ -29,7 +28,7 @@ def client(stack: Server, clock: Clock, request: pytest.FixtureRequest) -> Clien
 @pytest.fixture
 def site(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     """Proofs on hosts: text by name. Every other host has none."""
-    files: dict[str, str] = {}
+    files = {}
 
     def read_proof(host: str) -> str:
         if host not in files:

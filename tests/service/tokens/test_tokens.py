@@ -1,58 +1,32 @@
-"""Tokens that strangers make for themselves: origins, proofs, use, rotation, revocation, and their bounds."""
-
-import logging
+"""Tokens that strangers make for themselves."""
 
 import pytest
 
 from calibdb.access.plans import TRIAL_PERIOD_S
+from infra.ops import tokens
 from infra.ops.reindex import reindex
 from infra.server.server import Server
 from tests.helpers.clock import Clock
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
-from tests.helpers.service.strangers import SITE, ask, context, make, manage, standing_clock, states
+from tests.helpers.service.strangers import SITE, ask, context, make, manage, rotate, standing_clock, states
 
 
 def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(client: Client) -> None:
     made = make(client, "http://localhost", "http://127.0.0.1:8000", "http://[::1]", "https://app.localhost")
     assert {origin["state"] for origin in made["origins"]} == {"verified"}
     assert made["plan"] == "trial"
-    for origin in (
-        None, "http://localhost", "http://localhost:5173", "http://127.0.0.1:8000", "http://[::1]:3000",
-        "https://app.localhost:8443",
-    ):  # fmt: skip
+    for origin in (None, "http://localhost:5173", "http://127.0.0.1:8000", "https://app.localhost:8443"):
         assert ask(client, made["token"], origin).status == 200, origin
-    for origin in (
-        "https://localhost",
-        "http://127.0.0.1",
-        "http://127.0.0.1:80",
-        "https://evil.example",
-        "null",
-        "http://localhost:99999",
-        "http://localhost:080",
-    ):
-        answer = ask(client, made["token"], origin)
-        assert (answer.status, answer.kind) == (403, "origin")
+    for origin in ("https://localhost", "http://127.0.0.1", "https://evil.example", "null"):
+        assert ask(client, made["token"], origin).problem == (403, "origin")
 
 
-@pytest.mark.parametrize(
-    "origin",
-    [
-        "http://example.org",
-        "http://localhost:80",
-        "http://localhost:99999",
-        "http://LOCALHOST",
-        "*",
-        "null",
-        "",
-    ],
-)
+@pytest.mark.parametrize("origin", ["http://example.org", "http://localhost:80", "http://LOCALHOST", "*", ""])
 def test_origin_that_cannot_be_proved_is_refused_and_not_counted(client: Client, origin: str) -> None:
     for _ in range(6):
-        answer = client.call("POST", "/v1/tokens", {"origins": [origin]}, token="")
-        assert answer.status == 422
-        assert answer.json["errors"][0]["field"] == "origins.0"
-    make(client, "http://localhost")
+        assert client.call("POST", "/v1/tokens", {"origins": [origin]}).fields == ["origins.0"]
+    make(client)
 
 
 @pytest.mark.parametrize(
@@ -61,9 +35,6 @@ def test_origin_that_cannot_be_proved_is_refused_and_not_counted(client: Client,
         ("application/json", "https://evil.example", 403),
         ("application/json", "null", 403),
         ("application/json", "http://127.0.0.1.evil.example", 403),
-        ("application/json", "http://127.0.0.1:99999", 403),
-        ("text/plain", "https://evil.example", 415),
-        ("text/plain", None, 415),
         ("application/x-www-form-urlencoded", "http://localhost:8000", 415),
         ("", None, 415),
     ],
@@ -74,11 +45,10 @@ def test_token_for_a_page_of_another_origin_is_refused_and_not_counted(
     headers = {"content-type": kind} | ({} if origin is None else {"origin": origin})
     body = b'{"origins": ["http://localhost"]}'
     for _ in range(6):
-        answer = client.call("POST", "/v1/tokens", body, token="", headers=headers)
-        assert answer.status == status
+        assert client.call("POST", "/v1/tokens", body, headers=headers).status == status
     own = {"content-type": "application/json; charset=utf-8", "origin": "http://localhost:5173"}
     for n in range(6):
-        made = client.call("POST", "/v1/tokens", body, token="", headers=own if n else None)
+        made = client.call("POST", "/v1/tokens", body, headers=own if n else None)
         assert made.status == (201 if n < 5 else 429)
 
 
@@ -90,8 +60,7 @@ def test_origin_is_admitted_once_its_proof_is_found(client: Client, site: dict[s
         "content": f"calibdb-site-verification={made['id']}",
     }
     refused = ask(client, made["token"], SITE)
-    assert (refused.status, refused.kind) == (403, "origin-unverified")
-    assert "/v1/tokens/self/verify" in refused.json["detail"]
+    assert refused.problem == (403, "origin-unverified")
     looked = manage(client, "POST", made, "/verify")
     assert states(looked) == {"http://localhost": "verified", SITE: "pending"}
     assert looked.json["origins"][1]["failure"] == "status"
@@ -110,15 +79,12 @@ def test_origin_is_admitted_once_its_proof_is_found(client: Client, site: dict[s
 
 
 def test_session_of_a_restricted_token_is_for_the_page_that_opened_it(client: Client) -> None:
-    made = make(client, "http://localhost")
+    made = make(client)
     opened = client.call("POST", "/v1/auth", token=made["token"], headers={"origin": "http://localhost:5173"})
     client.session_id = opened.json["session_id"]
-    assert (
-        client.call("POST", "/v1/session", CAMERA, headers={"origin": "http://localhost:9999"}).status == 403
-    )
-    assert (
-        client.call("POST", "/v1/session", CAMERA, headers={"origin": "http://localhost:5173"}).status == 201
-    )
+    for port, status in ((9999, 403), (5173, 201)):
+        headers = {"origin": f"http://localhost:{port}"}
+        assert client.call("POST", "/v1/session", CAMERA, headers=headers).status == status
 
 
 def test_origins_and_name_can_be_changed_and_proofs_are_kept(client: Client, site: dict[str, str]) -> None:
@@ -132,10 +98,8 @@ def test_origins_and_name_can_be_changed_and_proofs_are_kept(client: Client, sit
     left = manage(client, "PATCH", made, body={"origins": ["http://localhost"]})
     assert (states(left), left.json["plan"]) == ({"http://localhost": "verified"}, "trial")
     assert left.json["name"] == "Two"
-    assert ask(client, made["token"], SITE).status == 403
     back = manage(client, "PATCH", made, body={"origins": [SITE]})
     assert states(back) == {SITE: "pending"}  # it has to be proved anew
-    assert ask(client, made["token"], "http://localhost").status == 403
 
 
 def test_nobody_learns_whether_an_origin_has_a_token(client: Client, site: dict[str, str]) -> None:
@@ -145,28 +109,30 @@ def test_nobody_learns_whether_an_origin_has_a_token(client: Client, site: dict[
     assert states(manage(client, "POST", first, "/verify")) == {SITE: "verified"}
     second, unclaimed = make(other, SITE), make(other, "https://unclaimed.example")
     hidden = {"id", "token", "management_token", "origins", "created", "expires"}
-    assert {k: v for k, v in second.items() if k not in hidden} == {
-        k: v for k, v in unclaimed.items() if k not in hidden
-    }
+    shown = [{k: v for k, v in token.items() if k not in hidden} for token in (second, unclaimed)]
+    assert shown[0] == shown[1]
     looked = manage(other, "POST", second, "/verify")
     assert looked.json["origins"][0]["failure"] == "content"  # the file's, which all can read, not ours
-    assert ask(other, second["token"], SITE).json == {
-        **ask(other, unclaimed["token"], "https://unclaimed.example").json
-    }
+    refused = ask(other, unclaimed["token"], "https://unclaimed.example")
+    assert ask(other, second["token"], SITE).json == refused.json
+
+
+def statuses(client: Client, *tokens: str) -> list[int]:
+    return [ask(client, token).status for token in tokens]
 
 
 def test_secret_is_rotated_and_earlier_ones_keep_their_time(client: Client, clock: Clock) -> None:
-    made = make(client, "http://localhost")
+    made = make(client)
     # The first answer gets lost: whoever asks again has the old secret and the newest.
-    lost = manage(client, "POST", made, "/rotate").json["token"]
-    newest = manage(client, "POST", made, "/rotate", body={"grace_s": 3600}).json
+    lost = rotate(client, made)["token"]
+    newest = rotate(client, made, grace_s=3600)
     assert newest["former_until"] == pytest.approx(clock() + 3600, abs=5)
-    assert [ask(client, token).status for token in (made["token"], lost, newest["token"])] == [200] * 3
+    assert statuses(client, made["token"], lost, newest["token"]) == [200] * 3
     clock.now += 3700
-    assert [ask(client, token).status for token in (made["token"], lost, newest["token"])] == [403, 403, 200]
-    last = manage(client, "POST", made, "/rotate", body={"grace_s": 0}).json
+    assert statuses(client, made["token"], lost, newest["token"]) == [403, 403, 200]
+    last = rotate(client, made, grace_s=0)
     assert last["former_until"] is None
-    assert [ask(client, token).status for token in (newest["token"], last["token"])] == [403, 200]
+    assert statuses(client, newest["token"], last["token"]) == [403, 200]
     assert manage(client, "POST", made, "/rotate", body={"grace_s": 10**9}).status == 422
 
 
@@ -174,62 +140,52 @@ def test_new_secret_works_in_the_next_request_where_the_token_is_remembered(stac
     """Functions remember a token for half a minute; three seconds pass here."""
     with standing_clock() as clock:
         client = Client(stack, address="198.51.100.77")
-        made = make(client, "http://localhost")
+        made = make(client)
         assert ask(client, made["token"]).status == 200
         secret = made["token"]
         for _ in range(3):
-            rotated = manage(client, "POST", made, "/rotate", body={"grace_s": 0}).json["token"]
-            assert [ask(client, token).status for token in (rotated, secret)] == [200, 403]
+            rotated = rotate(client, made, grace_s=0)["token"]
+            assert statuses(client, rotated, secret) == [200, 403]
             secret = rotated
             clock.now += 1  # for which the wrong one keeps the token from being read again
 
 
 def test_five_rotations_within_their_grace_leave_every_secret_valid(client: Client) -> None:
-    made = make(client, "http://localhost")
-    rotated = [manage(client, "POST", made, "/rotate", body={"grace_s": 3600}).json for _ in range(10)]
+    made = make(client)
+    rotated = [rotate(client, made, grace_s=3600) for _ in range(10)]
     secrets = [made["token"], *(answer["token"] for answer in rotated)]
-    assert [ask(client, secret).status for secret in secrets] == [200] * 11
+    assert statuses(client, *secrets) == [200] * 11
     manage(client, "POST", made, "/rotate", body={"grace_s": 3600})
-    assert [ask(client, secret).status for secret in secrets] == [200, 403] + [200] * 9
+    assert statuses(client, *secrets) == [200, 403] + [200] * 9
 
 
 def test_revoked_token_opens_nothing_and_says_so_to_its_owner(client: Client) -> None:
-    made = make(client, "http://localhost")
+    made = make(client)
     assert ask(client, made["token"]).status == 200
     assert [manage(client, "DELETE", made).status for _ in range(2)] == [204, 204]
     assert ask(client, made["token"]).status == 403
     for method, action in (("GET", ""), ("POST", "/rotate"), ("POST", "/verify")):
         answer = manage(client, method, made, action)
-        assert (answer.status, answer.kind) == (403, "token-revoked")
+        assert answer.problem == (403, "token-revoked")
     reindex(context(client.stack))
     assert ask(client, made["token"]).status == 403
 
 
 def test_trial_token_that_was_never_used_expires(client: Client, clock: Clock) -> None:
-    unused, used = make(client, "http://localhost"), make(client, "http://localhost")
+    unused, used = make(client), make(client)
     assert unused["expires"] == pytest.approx(clock() + TRIAL_PERIOD_S, abs=5)
-    assert ask(client, used["token"]).status == 200
+    assert client.call("POST", "/v1/auth", token=unused["token"][:-1] + "x").status == 403, "that is no use"
+    assert client.call("POST", "/v1/auth", token=used["token"]).status == 201
     clock.now += TRIAL_PERIOD_S + 60
     answer = ask(client, unused["token"])
-    assert (answer.status, answer.kind) == (403, "token-expired")
+    assert answer.problem == (403, "token-expired")
     assert manage(client, "GET", unused).status == 403
     assert ask(client, used["token"]).status == 200
     assert manage(client, "GET", used).json["expires"] is None
 
 
-def test_first_use_is_noted_whatever_it_is(client: Client) -> None:
-    made = make(client, "http://localhost")
-    assert client.call("POST", "/v1/auth", token=made["token"][:-1] + "x").status == 403
-    assert manage(client, "GET", made).json["expires"] is not None  # nobody used it
-    assert client.call("POST", "/v1/auth", token=made["token"]).status == 201
-    assert manage(client, "GET", made).json["expires"] is None
-
-
-def test_management_token_is_not_an_api_token_nor_the_other_way_round(
-    client: Client, caplog: pytest.LogCaptureFixture
-) -> None:
-    caplog.set_level(logging.DEBUG)
-    made = make(client, "http://localhost")
+def test_management_token_is_not_an_api_token_nor_the_other_way_round(client: Client) -> None:
+    made = make(client)
     assert ask(client, made["management_token"]).status == 403
     id_, secret = made["management_token"].split("_")[1:]
     unknown = f"cdbm_{'0' * len(id_)}_{secret}"
@@ -240,16 +196,10 @@ def test_management_token_is_not_an_api_token_nor_the_other_way_round(
     ]
     assert {(a.status, a.body) for a in answers} == {(403, answers[0].body)}
     assert client.call("GET", "/v1/tokens/self", token="").status == 401
-    for text in (made["token"].split("_")[2], secret):
-        assert text not in caplog.text
-    document = client.stack.storage and published.store(client.stack).tokens.read(id_)
-    assert document
-    assert secret not in repr(document)
+    assert secret not in repr(published.store(client.stack).tokens.read(id_))
 
 
 def test_operator_sees_and_revokes_what_strangers_made(client: Client) -> None:
-    from infra.ops import tokens
-
     made = make(client, "http://localhost", SITE, name="Mine")
     operator = context(client.stack)
     (seen,) = [token for token in tokens.list_all(operator) if token.id == made["id"]]
@@ -258,4 +208,3 @@ def test_operator_sees_and_revokes_what_strangers_made(client: Client) -> None:
     assert tokens.use(operator, made["id"]).days[-1].lookups == 1
     tokens.revoke(operator, made["id"])
     assert ask(client, made["token"]).status == 403
-    assert manage(client, "GET", made).status == 403

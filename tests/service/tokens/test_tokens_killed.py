@@ -1,50 +1,16 @@
-"""A kill at any moment: tokens are as they were acknowledged, and what was cut off can be asked again."""
+"""A kill at any moment: what was cut off can be asked again."""
 
-import json
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
 
-from calibdb.store.ports import Storage
 from infra.server.server import Server
-from tests.helpers.service.client import CAMERA, Answer, Client
-from tests.helpers.service.in_process import request
-from tests.helpers.service.intercepted import WRITES, intercepted_service
+from tests.helpers.service.client import Answer, Client
+from tests.helpers.service.intercepted import crash_after
 from tests.helpers.service.stores import override_service
-
-SITE = "https://example.org"
-
-
-class KilledError(Exception):
-    """The process ended here."""
-
-
-@dataclass
-class Process:
-    """Process that is killed, and the number of its writes until then."""
-
-    written: int = 0
-    killed: bool = False
-
-
-@contextmanager
-def killed_at(storage: Storage, number: int) -> Iterator[Process]:
-    """Let the process end before its write of this number: nothing is written or read from there on."""
-    process = Process()
-
-    def around(operation: str, call: Callable[[], Any]) -> Any:
-        process.killed = process.killed or (operation in WRITES and process.written == number)
-        if process.killed:
-            raise KilledError
-        process.written += operation in WRITES
-        return call()
-
-    with intercepted_service(storage, around, token_ttl_s=0):
-        yield process
+from tests.helpers.service.strangers import SITE, ask, make, manage
 
 
 @pytest.fixture(scope="module")
@@ -53,52 +19,26 @@ def stack() -> Iterator[Server]:
         yield stack
 
 
-@dataclass
-class Owner:
-    """Somebody with a token of their own."""
-
-    client: Client
-    made: Any = field(init=False)
-
-    def __post_init__(self) -> None:
-        body = {"origins": ["http://localhost", SITE]}
-        self.made = self.client.call("POST", "/v1/tokens", body, token="").json
-
-    def manage(self, method: str, action: str = "", body: object = None) -> Answer:
-        return self.client.call(method, f"/v1/tokens/self{action}", body, token=self.made["management_token"])
-
-    def send(self, method: str, action: str, body: object) -> int:
-        """Send a request that nobody may live to answer; return its status."""
-        headers = {"authorization": f"Bearer {self.made['management_token']}"}
-        content = b"" if body is None else json.dumps(body).encode()
-        return request(self.client.stack, method, f"/v1/tokens/self{action}", headers, body=content).status
-
-    def lookup(self, token: str, origin: str | None = None) -> int:
-        headers = {} if origin is None else {"origin": origin}
-        body = {**CAMERA, "miss": "ok"}
-        return self.client.call("POST", "/v1/lookup", body, token=token, headers=headers).status
+def rotated(client: Client, made: Any, answer: Answer) -> None:
+    assert ask(client, made["token"]).status == 200  # that is in use somewhere
+    assert ask(client, answer.json["token"]).status == 200
 
 
-def rotated(owner: Owner, answer: Answer) -> None:
-    assert owner.lookup(owner.made["token"]) == 200  # that is in use somewhere
-    assert owner.lookup(answer.json["token"]) == 200
-
-
-def verified(owner: Owner, answer: Answer) -> None:
+def verified(client: Client, made: Any, answer: Answer) -> None:
     assert {origin["state"] for origin in answer.json["origins"]} == {"verified"}
     assert answer.json["plan"] == "free"
-    assert owner.lookup(owner.made["token"], SITE) == 200
+    assert ask(client, made["token"], SITE).status == 200
 
 
-def changed(owner: Owner, answer: Answer) -> None:
+def changed(client: Client, made: Any, answer: Answer) -> None:
     assert [origin["origin"] for origin in answer.json["origins"]] == ["http://127.0.0.1"]
-    assert owner.lookup(owner.made["token"], "http://localhost") == 403
-    assert owner.lookup(owner.made["token"], "http://127.0.0.1") == 200
+    assert ask(client, made["token"], "http://localhost").status == 403
+    assert ask(client, made["token"], "http://127.0.0.1").status == 200
 
 
-def revoked(owner: Owner, answer: Answer) -> None:
+def revoked(client: Client, made: Any, answer: Answer) -> None:
     assert answer.status == 204
-    assert owner.lookup(owner.made["token"]) == 403
+    assert ask(client, made["token"]).status == 403
 
 
 @pytest.mark.parametrize(
@@ -117,35 +57,28 @@ def test_killed_before_any_write_and_asked_again(
     method: str,
     action: str,
     body: object,
-    holds: Callable[[Owner, Answer], None],
+    holds: Callable[[Client, Any, Answer], None],
 ) -> None:
-    number = 0
-    while True:
-        owner = Owner(
-            Client(stack, address=f"198.18.{zlib.crc32((action + method).encode()) % 200}.{number}")
-        )
-        line = f"calibdb-site-verification={owner.made['id']}"
+    for writes in range(10):
+        client = Client(stack, address=f"198.18.{zlib.crc32((action + method).encode()) % 200}.{writes}")
+        made = make(client, "http://localhost", SITE)
+        line = f"calibdb-site-verification={made['id']}"
         monkeypatch.setattr("calibdb.proof.read_proof", lambda _, line=line: line)
-        with killed_at(stack.storage, number) as process:
-            status = owner.send(method, action, body)
-        assert status >= 500 if process.killed else status < 300
+        with crash_after(stack.storage, writes, token_ttl_s=0):
+            first = manage(client, method, made, action, body)
         if action == "/rotate":
-            assert owner.lookup(owner.made["token"]) == 200
-        holds(owner, owner.manage(method, action, body))
-        if not process.killed:
+            assert ask(client, made["token"]).status == 200
+        holds(client, made, manage(client, method, made, action, body))
+        if first.status < 300:
             break
-        number += 1
-    assert number >= 3  # counted, stored, indexed
+        assert first.status == 503
+    assert 3 <= writes < 9  # counted, stored, indexed
 
 
 def test_killed_while_a_token_is_made_leaves_none_half_made(stack: Server) -> None:
-    for number in range(4):
-        client = Client(stack, address=f"198.19.0.{number}")
-        headers = {"content-type": "application/json"}
-        with killed_at(stack.storage, number) as process:
-            body = b'{"origins": ["http://localhost"]}'
-            request(stack, "POST", "/v1/tokens", headers, body=body, client=client.address)
-        assert process.killed
-        answer = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="")
-        assert answer.status == 201
-        assert client.call("GET", "/v1/usage", token=answer.json["token"]).status == 200
+    for writes in range(4):
+        client = Client(stack, address=f"198.19.0.{writes}")
+        with crash_after(stack.storage, writes, token_ttl_s=0):
+            assert client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}).status == 503
+        made = make(client)
+        assert client.call("GET", "/v1/usage", token=made["token"]).status == 200
