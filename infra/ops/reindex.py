@@ -100,7 +100,8 @@ def reindex(
     if not dry_run:
         context.remove_items(stale)
     consensuses = failed = 0
-    wanted_modes = [] if dry_run else list(modes if only is None else (m for m in only if m in modes))
+    chosen = None if only is None else set(only)
+    wanted_modes = [] if dry_run else [mode for mode in modes if chosen is None or mode in chosen]
     for request in context.track(wanted_modes, "consensuses", len(wanted_modes)):
         refitted = refit(context, request)
         failed += refitted is None

@@ -121,12 +121,18 @@ class Pages:
         content = self._made.get(made)
         if content is not None:
             return self._file(made, content, content, self._made.get(f"{made}.gz"))
-        path = (self._folder / made).resolve()
-        if self._folder not in path.parents:
+        path = self._folder / made
+        try:
+            path = path.resolve()
+            if self._folder not in path.parents:
+                return None
+            is_folder = f"{key}/index.html" in self._made or (path / "index.html").is_file()
+            is_file = path.is_file()
+        except (OSError, ValueError):  # no file can have this name
             return None
-        if f"{key}/index.html" in self._made or (path / "index.html").is_file():
+        if is_folder:
             return RedirectResponse(f"/{key}/{query and f'?{query}'}")
-        if not path.is_file():
+        if not is_file:
             return None
         status = path.stat()
         state = status.st_mtime_ns, status.st_size

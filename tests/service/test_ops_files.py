@@ -146,6 +146,8 @@ def test_contradictory_rows_seed_nothing(operator: Operator, tmp_path: Path) -> 
     assert "2 skipped: several lenses or modes under one name" in printed
     assert "3 skipped: no camera is like that" in printed
     assert "1 skipped: a number is missing" in printed
+    [counted] = operator.document("seed", file, *names, "--dry-run")
+    assert (counted["rows"], sum(counted["skipped"].values())) == (9, 6)
     key = camera_key("A One camera", "photograph")
     with Server(operator.folder) as stack:
         fit = published.store(stack).priors.find(key, (1280, 720), 0, "fisheye")

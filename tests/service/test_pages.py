@@ -97,8 +97,11 @@ def test_folders_have_an_index_and_a_slash(client: httpx.Client) -> None:
     assert client.get("/calibrate/").text == "<!doctype html>calibrate"
 
 
-@pytest.mark.parametrize("path", ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent"])
-def test_nothing_outside_the_folder(client: httpx.Client, path: str) -> None:
+@pytest.mark.parametrize(
+    "path",
+    ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent", "/%00", f"/{'a' * 300}/b"],
+)
+def test_nothing_outside_the_folder_is_found(client: httpx.Client, path: str) -> None:
     request = client.build_request("GET", "/")
     request.url = request.url.copy_with(raw_path=path.encode())
     assert client.send(request).status_code == 404

@@ -163,8 +163,11 @@ async def _on_calibdb_error(_: Request, raised: Exception) -> Response:
 async def _on_http_exception(_: Request, raised: Exception) -> Response:
     error = cast("HTTPException", raised)
     title = HTTPStatus(error.status_code).phrase.capitalize()
-    detail = _DETAILS.get(error.status_code, error.detail).format_map(error.headers or {})
-    problem = CalibdbError(detail, kind=title.lower().replace(" ", "-"), headers=error.headers)
+    headers = dict(error.headers or {})
+    if "Allow" in headers:
+        headers["Allow"] = ", ".join(sorted(headers["Allow"].split(", ")))
+    detail = _DETAILS.get(error.status_code, error.detail).format_map(headers)
+    problem = CalibdbError(detail, kind=title.lower().replace(" ", "-"), headers=headers)
     problem.status, problem.title = error.status_code, title
     return problem_response(problem)
 

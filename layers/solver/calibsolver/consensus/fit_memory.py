@@ -48,6 +48,7 @@ def _digest(views: Sequence[View]) -> bytes:
     digest = hashlib.sha256()
     for view in views:
         digest.update(len(view).to_bytes(8, "big") + bytes([view.flat]))
-        for points in (view.object_points, view.image_points):
-            digest.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+        weights = () if view.weights is None else view.weights
+        for values in (view.object_points, view.image_points, weights):
+            digest.update(np.ascontiguousarray(values, dtype=np.float64).tobytes())
     return digest.digest()

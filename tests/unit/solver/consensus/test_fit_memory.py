@@ -52,21 +52,23 @@ def test_a_new_calibration_alone_is_fitted(fitted: list[str]) -> None:
 def test_nothing_else_is_taken_for_it(fitted: list[str]) -> None:
     views = member(1).views
     shifted = [View(v.object_points, v.image_points + 1e-9) for v in views]
+    weighed = [View(v.object_points, v.image_points, np.arange(1.0, len(v) + 1)) for v in views]
     scaled = [View(2 * v.object_points, v.image_points) for v in views]
     for each, size, model in (
         (views, SIZE, "rectilinear"),
         (shifted, SIZE, "rectilinear"),
         (scaled, SIZE, "rectilinear"),
+        (weighed, SIZE, "rectilinear"),
         (views[::-1], SIZE, "rectilinear"),
         (views, (SIZE[0], SIZE[1] + 2), "rectilinear"),
         (views, SIZE, "rational"),
     ):
         assert fit_memory.fit_once(each, size, model).camera.img_size == size
-    assert len(fitted) == 6
+    assert len(fitted) == 7
     for _ in range(2):  # a refusal is not remembered
         with pytest.raises(CalibrationError):
             fit_memory.fit_once([], SIZE, "rectilinear")
-    assert len(fitted) == 8
+    assert len(fitted) == 9
 
 
 def test_consensus_of_one_calibration_is_its_fit(fitted: list[str]) -> None:
