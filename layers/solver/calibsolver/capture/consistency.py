@@ -6,6 +6,7 @@ view fits. So views are fitted together. If they contradict each other, the majo
 
 from collections import OrderedDict
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -30,21 +31,15 @@ SUSPECT_ERROR_RATIO = 1.8
 MAX_OUTVOTED_VIEWS = 3
 """Accepted views that a larger group of later views may exclude: then it was the camera that changed."""
 CACHE_SIZE = 24
-"""Fits that are cached: those used last."""
+"""Last fits that are cached."""
 MAX_TRIAL_POINTS = 64
-"""Points of a view that take part in trials of consistency: two cameras differ by more than the rest would
-show."""
+"""Points of a view in trials of consistency: two cameras differ by more than the rest would show."""
 
 
 class Consistency:
     """Tests of views against each other; caches its last fits, so nothing is fitted twice in a request.
 
-    Parameters
-    ----------
-    img_size, model
-        Width and height, px, and name of the model that is fitted.
-    start
-        A camera that may be near, where fits start first.
+    `start`: a camera that may be near, where fits start first.
     """
 
     def __init__(self, img_size: tuple[int, int], model: str, start: Camera | None = None) -> None:
@@ -63,7 +58,7 @@ class Consistency:
         return self._fit(views, near, board_shape=True)
 
     def fit_trial(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views` as `fit` does, to MAX_TRIAL_POINTS points of each, with the board as drawn."""
+        """Fit as `fit` does, to MAX_TRIAL_POINTS points of each view, with the board as drawn."""
         return self._fit([self._thin(view) for view in views], near, board_shape=False)
 
     def _fit(self, views: Sequence[View], near: Calibration | None, board_shape: bool) -> Calibration | None:
@@ -75,29 +70,21 @@ class Consistency:
             near = near or self._fits.get(key[:-1], ((), None))[1]
             if near is None and (bends or any(self._thin(view) is not view for view in views)):
                 near = self.fit_trial(views)
-            start = near.camera if near else self.start
-            try:
-                found: Calibration | None = fit(
-                    views, self.img_size, self.model, start=start, board_shape=bends
-                )
-            except CalibrationError:
-                found = None
-            self._fits[key] = (tuple(views), found)
+            start, result = near.camera if near else self.start, None
+            with suppress(CalibrationError):
+                result = fit(views, self.img_size, self.model, start=start, board_shape=bends)
+            self._fits[key] = (tuple(views), result)
             if len(self._fits) > CACHE_SIZE:
                 self._fits.popitem(last=False)
         return self._fits[key][1]
 
     def _thin(self, view: View) -> View:
-        """Return the thinned view, the same for the same view."""
         if id(view) not in self._thinned:
             self._thinned[id(view)] = view, thin(view)
         return self._thinned[id(view)][1]
 
     def is_consistent(self, others: Sequence[View], view: View, near: Calibration | None = None) -> bool:
-        """True if one camera explains `view` together with the `others` about as well as without it.
-
-        `near`: a trial fit that the one of the `others` starts from.
-        """
+        """True if one camera explains `view` together with the `others` about as well as without it."""
         before = self.fit_trial(others, near)
         after = self.fit_trial([*others, view], before)
         if after is None or (len(others) in after.cut_views):
@@ -115,9 +102,9 @@ class Consistency:
         return bool(rms <= MAX_ERROR_RATIO * max(before.rms_inliers, self.min_error))
 
     def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int = 0) -> list[View]:
-        """Collect the views that agree with `view` and each other: it first, then the newest first.
+        """Views that agree with `view` and each other: it first, then the newest first.
 
-        Ends where no more than `more_than` of them can be found any more.
+        Ends when no more than `more_than` of them can be found any more.
         """
         consistent = [view]
         for left, other in zip(range(len(candidates), 0, -1), reversed(candidates), strict=True):
@@ -130,7 +117,7 @@ class Consistency:
         return consistent
 
     def find_conflicting_view(self, views: Sequence[View], view: View) -> int | None:
-        """Find the one of `views` that conflicts with `view`, and with the rest: its index, or None.
+        """Index of the one of `views` that conflicts with `view`, and with the rest; None if there is none.
 
         Without it the rest and `view` agree, and clearly better than all of `views` agree with it.
         """
@@ -160,7 +147,7 @@ class Consistency:
         return float(np.sqrt(squared_errors(calibration).sum() / count))
 
     def find_outlier_view(self, views: Sequence[View]) -> int | None:
-        """Find an accepted view that is not consistent with the others: its index, or None."""
+        """Index of an accepted view that is not consistent with the others, or None."""
         whole = self.fit(views)
         if whole is None or len(views) < 3:
             return None
@@ -177,9 +164,7 @@ class Consistency:
 
     def is_same_pose(self, one: View, other: View) -> bool:
         """True if two views show the board in one pose."""
-        if one.object_points.shape == other.object_points.shape and np.array_equal(
-            one.object_points, other.object_points
-        ):
+        if np.array_equal(one.object_points, other.object_points):
             distance = np.linalg.norm(one.image_points - other.image_points, axis=1)
         else:
             i, k = common_points(one, other)
@@ -190,7 +175,7 @@ class Consistency:
 
 
 def thin(view: View) -> View:
-    """Return the view with MAX_TRIAL_POINTS of its points, from all over it; itself if it has no more."""
+    """View with MAX_TRIAL_POINTS of its points, from all over it; itself if it has no more."""
     if len(view) <= MAX_TRIAL_POINTS:
         return view
     kept = np.linspace(0, len(view) - 1, MAX_TRIAL_POINTS).round().astype(np.int64)
@@ -198,7 +183,7 @@ def thin(view: View) -> View:
 
 
 def common_points(one: View, other: View) -> tuple[IntArray, IntArray]:
-    """List the points of the board that two views share: indices (m,) into each."""
+    """Indices (m,) into each of two views of the points of the board that both have."""
     places = [np.round(view.object_points * 1e6) + 0.0 for view in (one, other)]  # -0.0 is 0.0
     index = {place.tobytes(): n for n, place in enumerate(places[0])}
     pairs = [(index[p.tobytes()], n) for n, p in enumerate(places[1]) if p.tobytes() in index]

@@ -21,7 +21,7 @@ MIN_PROGRESS = 0.85
 MAX_ABOVE_BEST = 1.3
 """Largest ratio of the stated error to the smallest so far with which a capture ends at a plateau."""
 MAX_DUPLICATES = 6
-"""Duplicates in a row that end a capture: nothing new is shown."""
+"""Duplicates in a row that end a capture."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class History:
     on_target: tuple[bool, ...] = ()
     duplicates: int = 0
 
-    def with_view(self, on_target: bool) -> "History":
-        """History with one more accepted view, whose error is not stated yet."""
-        return History((*self.stated, None), (*self.on_target, on_target))
+    def with_view(self, on_target: bool, stated: float | None = None) -> "History":
+        """History with one more accepted view."""
+        return History((*self.stated, stated), (*self.on_target, on_target))
 
     def has_plateau(self, stated: float, count: int) -> bool:
         """True if the error, `stated` after the last view, has stopped falling; `count` views count."""

@@ -19,7 +19,7 @@ def resolve_conflict(
     excluded: Mapping[int, Exclusion],
     quarantined: Sequence[View],
 ) -> dict[int, Exclusion] | None:
-    """Find the exclusions of `views` that let `view` stay; None if `view` itself is wrong."""
+    """Exclusions of `views` that let `view` stay; None if `view` itself is wrong."""
     active = [i for i in range(len(views)) if i not in excluded]
 
     def resolve() -> dict[int, Exclusion] | None:
@@ -43,7 +43,7 @@ def resolve_conflict(
 def exclude_outliers(
     consistency: Consistency, views: Sequence[View], excluded: Mapping[int, Exclusion]
 ) -> dict[int, Exclusion]:
-    """Add to `excluded` the views that are not consistent with the others."""
+    """Exclusions with the views that are not consistent with the others."""
     result = dict(excluded)
     while True:
         active = [i for i in range(len(views)) if i not in result]

@@ -1,4 +1,4 @@
-"""Candidate poses of the board: sampling, and tests whether a person can hold and a camera can see them."""
+"""Candidate poses of the board that a person can hold and a camera can see."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +14,7 @@ from ..rotation import rotation_to_ray
 
 DIMENSIONS = 6
 MAX_OUTSIDE_VIEW_DEG = 15.0
-"""Angle by which a part of the board may lie outside the field of view."""
+"""Angle by which a part of the board may lie outside the field of view, but not next to the camera."""
 
 
 @dataclass(frozen=True)
@@ -26,13 +26,13 @@ class PoseLimits:
     width
         Smallest and largest apparent length of the board's longer side / the image's longer side.
     max_tilt_deg
-        Angle between the board's normal and the line of sight to its centre, degrees.
+        Angle between the board's normal and the line of sight to its centre.
     max_roll_deg
-        Rotation in the picture, degrees.
+        Rotation in the image.
     min_visible
         Share of the corners that a detector is expected to find.
     max_incidence_deg
-        Angle between a ray and the board's normal, degrees: beyond it corners blur.
+        Angle between a ray and the board's normal, beyond which corners blur.
     min_spacing
         Distance of neighbouring corners / image width.
     border
@@ -56,8 +56,6 @@ class CornerGrid:
     ----------
     points
         (3, n) board frame, squares, row by row.
-    rows, columns
-        Numbers of rows and columns.
     step
         Largest distance of neighbours, squares, across and down.
     multiplicity
@@ -77,8 +75,9 @@ class CornerGrid:
     def of(cls, board: Board, max_columns: int | None) -> "CornerGrid":
         """All corners of a board, or evenly spaced ones in at most `max_columns`, and one row less."""
         rows, columns = board.lattice.shape
-        x = np.arange(columns) if max_columns is None else subsample(columns, max_columns)
-        y = np.arange(rows) if max_columns is None else subsample(rows, max_columns - 1)
+        x, y = np.arange(columns), np.arange(rows)
+        if max_columns is not None:
+            x, y = subsample(columns, max_columns), subsample(rows, max_columns - 1)
         ids = board.lattice[y][:, x]
         kept = board.points[ids]
         step = (float(np.diff(kept[0, :, 0]).max()), float(np.diff(kept[:, 0, 1]).max()))
@@ -89,15 +88,12 @@ class CornerGrid:
 
 
 def subsample(count: int, max_count: int) -> IntArray:
-    """Choose at most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64))
+    """At most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
+    return np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64)
 
 
 def r_sequence(count: int, offset: int) -> Array:
-    """Low-discrepancy points (count, 6) of the unit cube: a Kronecker sequence, Roberts' R6 (2018).
-
-    Different `offset` give different parts of the sequence.
-    """
+    """Low-discrepancy points (count, 6) of the unit cube: a Kronecker sequence, Roberts' R6 (2018)."""
     root = 2.0
     for _ in range(40):  # positive root of x^7 = x + 1
         root = (1 + root) ** (1 / (DIMENSIONS + 1))
@@ -116,8 +112,6 @@ class RayGrid:
         (rows, columns, 3) unit rays from corner to corner of the image; NaN where there is none.
     focal
         Focal length along x, px per radian at the axis.
-    img_size
-        Width and height, px.
     """
 
     rays: Array
@@ -126,10 +120,7 @@ class RayGrid:
 
     @cached_property
     def min_cos_angle(self) -> float:
-        """Cosine of the largest angle from the axis at which a part of the board may be.
-
-        A board may extend beyond the picture by MAX_OUTSIDE_VIEW_DEG, but not lie next to the camera.
-        """
+        """Cosine of the largest angle from the axis at which a part of the board may be."""
         half_view = np.degrees(np.arccos(np.nanmin(self.rays[:, :, 2])))
         return float(np.cos(np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))))
 
@@ -141,10 +132,7 @@ class RayGrid:
         return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), camera.focal[0], camera.img_size)
 
     def interpolate(self, x: Array, y: Array) -> Array:
-        """Interpolate unit rays (c, 3) at shares x, y (c,) in [0, 1] of the image's width and height.
-
-        NaN where there is no ray.
-        """
+        """Unit rays (c, 3), or NaN, at shares x, y (c,) in [0, 1] of the image's width and height."""
         rows, columns, _ = self.rays.shape
         x, y = x * (columns - 1), y * (rows - 1)
         i, j = np.minimum(x.astype(int), columns - 2), np.minimum(y.astype(int), rows - 2)
@@ -157,7 +145,7 @@ class RayGrid:
 
 
 def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseLimits) -> Poses:
-    """Map points (c, 6) of the unit cube to poses (c): centre x, y, width, tilt, azimuth of the tilt, roll.
+    """Poses (c) of points (c, 6) of the unit cube: centre x, y, width, tilt, azimuth of the tilt, roll.
 
     A pose whose centre has no ray gets NaN translations.
     """
@@ -166,7 +154,8 @@ def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseL
     tilt, length = np.radians(tilt), width * max(rays.img_size)
     azimuth = 2 * np.pi * unit[:, 4]
     roll = np.radians(limits.max_roll_deg) * (2 * concentrate_centre(unit[:, 5]) - 1)
-    if needs_quarter_turn(board, rays.img_size):
+    (width_px, height_px), (columns, rows) = rays.img_size, board.size
+    if (columns - rows) * (width_px - height_px) < 0:  # the longer side of the board along the image's
         roll = roll + np.pi / 2
     r = rotation_to_ray(ray) @ tilt_roll_rotation(tilt, azimuth, roll)
     distance = rays.focal * max(board.size) / length
@@ -175,7 +164,7 @@ def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseL
 
 
 def tilt_roll_rotation(tilt: Array, azimuth: Array, roll: Array) -> Array:
-    """Rotations (c, 3, 3): by a roll about z, then by a tilt about the axis at an azimuth in the picture."""
+    """Rotations (c, 3, 3): by a roll about z, then by a tilt about the axis at an azimuth in the image."""
     ct, st, ca, sa = np.cos(tilt), np.sin(tilt), np.cos(azimuth), np.sin(azimuth)
     cr, sr = np.cos(roll), np.sin(roll)
     one = 1 - ct
@@ -188,21 +177,16 @@ def tilt_roll_rotation(tilt: Array, azimuth: Array, roll: Array) -> Array:
 
 
 def tilt_and_width_from_unit_cube(unit: Array, limits: PoseLimits) -> tuple[Array, Array]:
-    """Map points (c, 6) of the unit cube to tilts (c,), degrees, and widths (c,), board / image.
+    """Tilts (c,), degrees, and widths (c,), board / image, of points (c, 6) of the unit cube.
 
-    Close and tilted poses carry most information: they are sampled more densely.
+    Close and tilted poses carry most information, so they are sampled more densely.
     """
     low, high = limits.width
     return limits.max_tilt_deg * np.sqrt(unit[:, 3]), low + (high - low) * np.sqrt(unit[:, 2])
 
 
-def needs_quarter_turn(board: Board, img_size: tuple[int, int]) -> bool:
-    """True if the board must be turned by 90 degrees for its longer side to lie along the image's."""
-    return (board.size[0] - board.size[1]) * (img_size[0] - img_size[1]) < 0
-
-
 def concentrate_centre(u: Array) -> Array:
-    """Move points of [0, 1] towards its centre, where they become denser."""
+    """Points of [0, 1], moved so that they become denser in the centre."""
     v = 2 * u - 1
     return 0.5 + 0.5 * v * np.sqrt(np.abs(v))
 
@@ -210,7 +194,7 @@ def concentrate_centre(u: Array) -> Array:
 def check_visibility(
     p: Array, q: Array, axes: Array, corners: CornerGrid, camera: Camera, limits: PoseLimits
 ) -> tuple[Array, Mask]:
-    """Predict how probably corners (c, n) of poses are found, and test which poses (c,) respect the limits.
+    """Probability (c, n) that corners are found, and poses (c,) that respect the limits; others have 0.
 
     A detector finds a corner if the image contains it and what identifies it, such as a marker next to it
     (`Board.support`). A hand misses the pose: a point on the border of the image is seen in half of the
@@ -224,8 +208,6 @@ def check_visibility(
         (c, 2, n) their projections, px.
     axes
         (c, 3, 3) rotations of the boards, board -> camera.
-
-    Probabilities are 0 for poses that do not respect the other limits.
     """
     model, w = models.get(camera.model), camera.img_size[0]
     border = limits.border * w

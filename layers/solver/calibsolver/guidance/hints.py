@@ -47,8 +47,8 @@ TEXTS: dict[Code, str] = {
     "hold_still": "Hold the board still, and again",
     "unmirror": "Turn off the camera's mirroring",
 }
-"""At most six words each. Directions are those of the camera's picture: a page that mirrors its preview swaps
-left and right, and the sense of a turn."""
+"""Directions are those of the camera's image: a page that mirrors its preview swaps left and right, and the
+sense of a turn."""
 
 SHIFT_WIDTHS, LOG_DISTANCE, TILT_DEG, ROLL_DEG = 0.12, 0.15, 12.0, 20.0
 """Equally conspicuous differences: a shift / image width, a logarithm of distances, a tilt, a roll."""
@@ -56,31 +56,30 @@ SHIFT_WIDTHS, LOG_DISTANCE, TILT_DEG, ROLL_DEG = 0.12, 0.15, 12.0, 20.0
 
 @dataclass(frozen=True)
 class Hint:
-    """An instruction: a code for programs, an English text of at most six words for people."""
+    """Instruction to the user."""
 
     code: Code
-    text: str
 
-    @classmethod
-    def of(cls, code: Code) -> "Hint":
-        """Hint with this code."""
-        return cls(code, TEXTS[code])
+    @property
+    def text(self) -> str:
+        """English text of at most six words."""
+        return TEXTS[self.code]
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Placement of a board in the picture, as a person describes it.
+    """Placement of a board in the image, as a person describes it.
 
     Attributes
     ----------
     center
-        (2,) px, of the board.
+        (2,) px.
     distance
         Squares, of its centre from the camera.
     normal
         (3,) away from the viewer, in a frame whose z axis is the line of sight to the centre.
     roll
-        Radians, clockwise in the picture.
+        Radians, clockwise in the image.
     """
 
     center: Array
@@ -123,4 +122,4 @@ def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
         (roll, "turn_clockwise", "turn_counterclockwise"),
     ]
     size, positive, negative = max(differences, key=lambda difference: abs(difference[0]))
-    return Hint.of(positive if size > 0 else negative)
+    return Hint(positive if size > 0 else negative)

@@ -1,4 +1,4 @@
-"""Overlap of two areas of an image: the Jaccard index."""
+"""Overlap of two areas of an image."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ def jaccard_index(one: Array, other: Array, img_size: tuple[int, int]) -> float:
 
 
 def rasterize(polygon: Array, img_size: tuple[int, int]) -> Mask:
-    """Rasterize the inside of a polygon (m, 2) px, by the even-odd rule: (h / MASK_PX, w / MASK_PX)."""
+    """Mask (h / MASK_PX, w / MASK_PX) of the inside of a polygon (m, 2) px, by the even-odd rule."""
     w, h = img_size
     mask: Mask = np.zeros((-(-h // MASK_PX), -(-w // MASK_PX)), dtype=bool)
     if len(polygon) < 3:
@@ -37,7 +37,7 @@ def rasterize(polygon: Array, img_size: tuple[int, int]) -> Mask:
 
 
 def estimate_outline(board: Board, view: View) -> Array:
-    """Estimate the board's edge (m, 2) px from the corners of a view, by a homography."""
+    """Board's edge (m, 2) px, estimated from the corners of a view by a homography."""
     q = view.image_points
     middle, scale = q.mean(axis=0), max(float(np.abs(q - q.mean(axis=0)).max()), 1e-9)
     rays = np.concatenate([(q - middle) / scale, np.ones((len(q), 1))], axis=1)

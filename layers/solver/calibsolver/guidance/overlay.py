@@ -8,7 +8,6 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from .. import rotation
 from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
@@ -16,12 +15,12 @@ from .target import TargetPose
 
 STRIDES_PX = (16, 8)
 """Spacing of the rays that are computed; interpolation between them is right to a few hundredths of a pixel.
-The smaller one serves where the board reaches the end of the model's domain, and is drawn up to there."""
+The smaller one is used if the board reaches the end of the model's domain."""
 OFF_BOARD = 1e4
-"""Texture coordinate of pixels without a board: outside it, and within the range of fixed-point maps."""
+"""Texture coordinate of pixels without a board: within the range of fixed-point maps."""
 MIN_TEXTURE_PX_PER_SQUARE = 32
 TAG_BORDER = 2
-"""Width of the black frame of an AprilGrid's tag, cells: as Kalibr prints it; of other markers it is one."""
+"""Width of the black frame of an AprilGrid's tag, cells, as Kalibr prints it; of other markers it is one."""
 JPEG_QUALITIES = (45, 30, 15)
 MAX_PICTURE_PX = 12_000_000
 """Pixels of a picture; a larger one is drawn smaller, in the same shape, and its reader scales it up."""
@@ -44,9 +43,7 @@ def render(
 
     White squares are green and black ones magenta: two hues of similar brightness, made for the CSS blend
     mode `color`, and no pixel of the board is black. PNG has an alpha channel that is 0 outside the board.
-    Where the model is not one-to-one nothing is drawn.
-
-    Raises ValueError for an unknown format.
+    Nothing is drawn where the model is not one-to-one. Raises ValueError for an unknown format.
     """
     if image_format not in ("jpeg", "png"):
         raise ValueError(f"unknown image format {image_format!r}")
@@ -85,7 +82,7 @@ def drawn_size(img_size: tuple[int, int]) -> tuple[int, int]:
 
 
 def to_picture_px(points: Array, scale: Array) -> Array:
-    """Convert px of the image (m, 2) to those of a picture `scale` (2,) times smaller."""
+    """Pixels of the image (m, 2) as those of a picture `scale` (2,) times smaller."""
     picture_px: Array = (points + 0.5) / scale - 0.5
     return picture_px if len(points) else points
 
@@ -120,8 +117,8 @@ def texture_coordinates(
 ) -> npt.NDArray[np.float32]:
     """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture if there are none.
 
-    The box is of a picture `scale` (2,) times smaller than the image. `corner`: where on the board the
-    texture begins.
+    The box is of a picture `scale` (2,) times smaller than the image; the texture begins at `corner` of
+    the board.
     """
     for stride in STRIDES_PX:
         coarse = (board_coordinates(camera, target, box, stride, scale) - corner[:2]) * square - 0.5
@@ -144,18 +141,14 @@ def texture_coordinates(
 def board_coordinates(
     camera: Camera, target: TargetPose, box: tuple[int, int, int, int], stride: int, scale: Array
 ) -> Array:
-    """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none.
-
-    `box` and `scale` as of `texture_coordinates`.
-    """
+    """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none."""
     x0, y0, x1, y1 = box
     columns, rows = -(-(x1 - x0) // stride) + 1, -(-(y1 - y0) // stride) + 1
     x, y = np.meshgrid(x0 + stride * np.arange(columns), y0 + stride * np.arange(rows))
     pixels = np.stack([x, y], axis=-1).reshape(-1, 2).astype(np.float64)
     ray = camera.unproject((pixels + 0.5) * scale - 0.5)
-    r = rotation.matrix(target.rvec)
     # The ray s v meets the plane z = 0 of the board at R'(s v - t).
-    v, t = ray @ r, r.T @ target.tvec
+    v, t = ray @ target.r, target.r.T @ target.tvec
     with np.errstate(divide="ignore", invalid="ignore"):
         s = t[2] / v[:, 2]
         xy: Array = np.where((s > 0)[:, None], s[:, None] * v[:, :2] - t[:2], np.nan)
@@ -169,7 +162,7 @@ def texture(board: Board) -> Picture:
 
 
 def draw_board(board: Board, square: int) -> Picture:
-    """Draw the whole board in black and white, without margin, `square` px per square or side of a tag."""
+    """Picture of the whole board, black and white, without margin; `square`: px per square or tag."""
     draw = {"charuco": _draw_charuco, "chessboard": _draw_chessboard, "aprilgrid": _draw_aprilgrid}[
         board.kind
     ]

@@ -16,7 +16,6 @@ from .posterior import MIN_NOISE_WIDTHS
 from .target import TargetPose
 
 CLOSE_UP_WIDTH, STEEP_TILT_DEG = 0.75, 45.0
-"""Apparent width / image, and tilt, from which fixed-focus lenses blur and glossy boards reflect."""
 UNPROVEN_NOISE_FACTOR = 1.1
 """Noise expected beyond these, until a view has been there / noise of the best view."""
 MIN_BAD_NOISE_FACTOR = 1.35
@@ -29,7 +28,7 @@ EASY_TILT_DEG, EASY_WIDTH = 25.0, 0.6
 
 @dataclass(frozen=True, eq=False)
 class PoseHistory:
-    """Tilt, width and noise of the views of a session, and tilt and width of targets not reached.
+    """Views of a session, and targets not reached.
 
     Attributes
     ----------
@@ -55,11 +54,12 @@ class PoseHistory:
         """History of a calibration's views and of targets given up, as `camera` sees them."""
         rt = np.empty((0, 6)) if calibration is None else calibration.poses
         given_up = np.array([[*t.rvec, *t.tvec] for t in unreached]).reshape(-1, 6)
-        tilts_and_widths = [
-            tilt_and_width(Placement.of(board, camera, rotation.matrix(pose[:3]), pose[3:]), board, camera)
-            for pose in np.concatenate([rt, given_up])
-        ]
-        tilt, width = np.array(tilts_and_widths).reshape(-1, 2).T
+        tilts_and_widths = []
+        for pose in np.concatenate([rt, given_up]):
+            placed = Placement.of(board, camera, rotation.matrix(pose[:3]), pose[3:])
+            width = camera.focal[0] * max(board.size) / (placed.distance * max(camera.img_size))
+            tilts_and_widths.append((placed.tilt, width))
+        tilts, widths = np.array(tilts_and_widths).reshape(-1, 2).T
         noise = np.ones(len(rt))
         if calibration is not None:
             pairs = zip(calibration.residuals, calibration.used, strict=True)
@@ -69,10 +69,10 @@ class PoseHistory:
             rms = np.maximum(rms, MIN_NOISE_WIDTHS * camera.img_size[0])
             noise[[i for i, _ in enough]] = rms / rms.min(initial=np.inf)
         v = len(rt)
-        return cls(tilt[:v], width[:v], noise, np.stack([tilt[v:], width[v:]], axis=1))
+        return cls(tilts[:v], widths[:v], noise, np.stack([tilts[v:], widths[v:]], axis=1))
 
     def restrict(self, limits: PoseLimits) -> PoseLimits:
-        """Tighten `limits` to exclude poses as hard as those not reached, unless a view has been there."""
+        """Limits that exclude poses as hard as those not reached, unless a view has been there."""
         tilt, (low, width) = limits.max_tilt_deg, limits.width
         for t, w in self.unreached:
             # Both are reduced: it is unknown which of them was too hard.
@@ -96,9 +96,3 @@ class PoseHistory:
             closer = (w > CLOSE_UP_WIDTH) & (width > 0.9 * w)
             factor = np.where(steeper | closer, np.maximum(factor, noise), factor)
         return factor
-
-
-def tilt_and_width(placement: Placement, board: Board, camera: Camera) -> tuple[float, float]:
-    """Tilt, degrees, and apparent length of the board's longer side / the image's longer side."""
-    width = camera.focal[0] * max(board.size) / (placement.distance * max(camera.img_size))
-    return placement.tilt, width

@@ -8,14 +8,13 @@ import numpy as np
 from .. import models
 from ..arrays import Array, symmetric_inverse
 from ..camera import Camera
-from ..fitting import initial_guess, prior, uncertainty
+from ..fitting import initial_guess, normal_equations, prior, systematic_effects, uncertainty
 from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import Poses
 from ..fitting.observations import Observations
 from ..models import Model
 from ..view import View
 from .candidates import RayGrid
-from .systematic_errors import limited_information, systematic_share
 
 ERROR_GRID = (12, 9)
 """Columns and rows of pixels over which the projection error is averaged."""
@@ -35,18 +34,14 @@ class IntrinsicsPosterior:
 
     Attributes
     ----------
-    model
-        The distortion model.
     k
-        (p,) mean of the intrinsics.
+        (p,) mean.
     information
         (p, p) Fisher information: the inverse of their covariance, were the noise of the corners white.
     noise
         Standard deviation of a corner's coordinate, px.
-    img_size
-        Width and height, px.
     systematic
-        Size of the views' systematic errors / the usual one (`systematic_errors`); 0: none have been seen.
+        As `systematic_share` returns.
     """
 
     model: Model
@@ -83,12 +78,12 @@ class IntrinsicsPosterior:
 
     @cached_property
     def camera(self) -> Camera:
-        """Camera at the mean of the intrinsics."""
+        """Camera at the mean."""
         return Camera.from_intrinsics(self.model.name, self.k, self.img_size)
 
     @cached_property
     def rays(self) -> RayGrid:
-        """Rays over the image at the mean of the intrinsics."""
+        """Rays over the image."""
         return RayGrid.of(self.camera)
 
     @cached_property
@@ -128,3 +123,63 @@ class IntrinsicsPosterior:
             return None
         s = self.view_information(obs, posed.poses)[0]
         return self.gain(s) if np.isfinite(s).all() else None
+
+
+NEGLIGIBLE_INFLATION = 1.5
+"""Inflation that few views show by chance."""
+USUAL_EXCESS_INFLATION = 3.0
+"""Excess over it in the hands of people: the median of four to six views of 13 sets of real cameras."""
+MAX_SHARE = 3.0
+"""Largest size that is believed / the usual one: beyond, a view is an outlier."""
+
+
+def limited_information(
+    model: Model,
+    k: Array,
+    poses: Poses,
+    points: Array,
+    weights: Array,
+    noise: float,
+    img_height: int,
+    systematic: float = 1.0,
+) -> tuple[Array, Array]:
+    """Fisher information (v, p, p) of the intrinsics at unit noise, and pixels (v, 2, n).
+
+    A view has information N about the intrinsics, and a systematic error of its own that would move them
+    by a covariance T. Together they give (N^-1 + T)^-1, however low the noise of its corners. T differs
+    from view to view: a bend shows most in a tilted close-up, motion wherever the board spans many rows.
+    So the effects (`fitting.systematic_effects`) are variables of the view that are marginalised with its
+    pose, each with the standard deviation that is typical of hand-held boards.
+
+    Parameters
+    ----------
+    points
+        (v, 3, n) or, for all views, (3, n); board frame.
+    weights
+        (v, n) of the points.
+    noise
+        Standard deviation of a corner's coordinate, px, without the systematic errors.
+    systematic
+        As `systematic_share` returns; 0: no systematic errors.
+    """
+    q, rows = normal_equations.linearize(model, k, poses, points, 0)
+    count = 0
+    if systematic > 0:
+        row = systematic_effects.row_position(q[1], img_height)
+        effects = systematic_effects.displacements(rows[model.size :], poses, points, row)
+        nuisance = effects * (systematic / noise)
+        count = len(nuisance)
+        rows = np.concatenate([rows, nuisance])
+    rows = np.where(weights > 0, rows * np.sqrt(weights), 0.0)
+    s = normal_equations.schur_complement(normal_equations.gram_matrices(rows), nuisance=count)
+    return s, q.transpose(1, 0, 2)
+
+
+def systematic_share(inflation: float) -> float:
+    """Size of the systematic errors / the usual one, by the inflation that a calibration's views show.
+
+    The inflation is the variance of the intrinsics / that which white noise explains; its excess grows
+    with the square of the systematic errors.
+    """
+    excess = inflation - NEGLIGIBLE_INFLATION
+    return float(np.sqrt(np.clip(excess / USUAL_EXCESS_INFLATION, 0.0, MAX_SHARE**2)))

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import rotation
 from ..arrays import Array, IntArray, Mask, whitening
 from ..board import Board
 from ..fitting.normal_equations import Poses
 from . import candidates
 from .candidates import CornerGrid, PoseLimits
 from .pose_history import PoseHistory
-from .posterior import IntrinsicsPosterior
-from .systematic_errors import limited_information
+from .posterior import IntrinsicsPosterior, limited_information
 from .target import TargetPose
 
 SEARCH_COLUMNS = 8
@@ -41,13 +39,13 @@ class Candidates:
     information: Array
 
     def concat(self, other: "Candidates") -> "Candidates":
-        """Concatenate two sets of candidates."""
+        """Both sets of candidates."""
         return Candidates(
             np.concatenate([self.unit, other.unit]), np.concatenate([self.information, other.information])
         )
 
     def take(self, index: IntArray) -> "Candidates":
-        """Select candidates by their indices."""
+        """Candidates at some indices."""
         return Candidates(self.unit[index], self.information[index])
 
 
@@ -57,18 +55,8 @@ class Search:
     Information is whitened by the posterior's, so that nothing is badly scaled: with A the posterior's
     information, T'AT = 1 and S a candidate's, trace((A + S)^-1 W) = trace((1 + T'ST)^-1 T'WT).
 
-    Parameters
-    ----------
-    board
-        The board.
-    posterior
-        Posterior of the camera's intrinsics.
-    limits
-        Limits of the poses.
-    skipped
-        Targets that candidates must not resemble.
-    history
-        Noise to expect by pose; None if no view has shown any.
+    Candidates must not resemble `skipped` targets. `history`: noise to expect by pose, None if no view has
+    shown any.
     """
 
     def __init__(
@@ -90,17 +78,17 @@ class Search:
         self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
 
     def sample(self, index: int) -> Candidates:
-        """Evaluate CANDIDATE_COUNT poses from all of the unit cube; `index` varies which."""
+        """CANDIDATE_COUNT poses from all of the unit cube; `index` varies which."""
         return self.evaluate(candidates.r_sequence(CANDIDATE_COUNT, index + 7 * len(self.skipped)))
 
     def evaluate(self, unit: Array) -> Candidates:
-        """Evaluate candidates (c, 6); those outside the limits are left out."""
+        """Candidates (c, 6) within the limits."""
         posterior = self.posterior
         poses = candidates.poses_from_unit_cube(unit, self.board, posterior.rays, self.limits)
         s, feasible = fisher_information(posterior, poses, self.corners, self.limits)
         feasible &= candidates.is_in_front(poses, self.board, posterior.rays)
         for target in self.skipped:
-            feasible &= ~is_similar(poses, target, self.board)
+            feasible &= ~is_similar(poses, target.r, target.tvec, self.board)
         use = np.flatnonzero(feasible)
         noise = np.full(use.size, posterior.noise)
         if self.history is not None:
@@ -139,10 +127,11 @@ class Search:
         return evaluated, last, score
 
     def best(self, index: int, ahead: int) -> tuple[Array, Array] | None:
-        """Find the best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
+        """Best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
 
         The best single pose need not be one of the best two: the second is chosen to complement the first,
-        and then the first again to complement the second. The one that is better on its own comes first.
+        and then the first again to complement the second. The one with the lower error without the other
+        comes first.
         """
         evaluated, last, score = self.refine(self.sample(index), SEARCH_RADII)
         if not last.unit.size:
@@ -168,8 +157,8 @@ def fisher_information(
 ) -> tuple[Array, Mask]:
     """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
 
-    A corner counts by how probably it is found. The poses, and what hands and boards add, are marginalised
-    (`systematic_errors`). Also returned is which poses (c,) respect the limits; others have 0.
+    A corner counts by how probably it is found. Also returned is which poses (c,) respect the limits;
+    others have 0.
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
@@ -190,11 +179,10 @@ def fisher_information(
     return s, feasible
 
 
-def is_similar(poses: Poses, target: TargetPose, board: Board) -> Mask:
-    """True if poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
-    r = rotation.matrix(target.rvec)
+def is_similar(poses: Poses, r: Array, t: Array, board: Board) -> Mask:
+    """True if poses (c) resemble one: normals within 20 degrees, centres within 1.5 squares."""
     center = board.outline.mean(axis=0)
-    distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)
+    distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + t), axis=1)
     cos_angle = poses.r[:, :, 2] @ r[:, 2]
     similar: Mask = (cos_angle > np.cos(np.radians(20))) & (distance < 1.5)
     return similar

@@ -1,7 +1,7 @@
 """Target pose: where the user is asked to hold the board."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..camera import Camera
 from .candidates import distance_to_border
 from .hints import TEXTS, Code, Hint, Placement, largest_difference
 
+ARRAYS = ("rvec", "tvec", "corners", "outline")
 PIXELS = ("ids", "corners", "outline")
 """Members of a target that say how a camera sees it, not where it is."""
 EDGE_SAMPLES = 12
@@ -21,7 +22,7 @@ EDGE_SAMPLES = 12
 
 @dataclass(frozen=True, eq=False)
 class TargetPose:
-    """A pose of the board and how the camera would see it.
+    """Pose of the board, where the user is asked to hold it, and how the camera would see it.
 
     Attributes
     ----------
@@ -37,7 +38,7 @@ class TargetPose:
     purpose
         Purpose of the view, one English phrase.
     hint, hint_code
-        Hint in English and as a code (`hints.Code`): the largest difference from the last placement.
+        The largest difference from the last placement.
     gain
         px^2, by how much the mean square projection error over the image is predicted to fall.
     """
@@ -53,7 +54,7 @@ class TargetPose:
     gain: float
 
     def __post_init__(self) -> None:
-        for name in ("rvec", "tvec", "corners", "outline"):
+        for name in ARRAYS:
             object.__setattr__(self, name, frozen(getattr(self, name)))
         object.__setattr__(self, "ids", tuple(int(i) for i in self.ids))
 
@@ -74,7 +75,7 @@ class TargetPose:
         whole = np.all(distance_to_border(support, camera.img_size) >= 0, axis=2)
         inside = (distance_to_border(q, camera.img_size) >= 0) & np.any(whole, axis=1)
         edge = camera.project(edge_points(board) @ r.T + t)
-        hint = Hint.of("first")
+        hint = Hint("first")
         if last is not None:
             hint = largest_difference(last, Placement.of(board, camera, r, t), camera.img_size[0])
         return cls(
@@ -89,38 +90,35 @@ class TargetPose:
             gain=gain,
         )
 
+    @property
+    def r(self) -> Array:
+        """Rotation (3, 3), board -> camera."""
+        return rotation.matrix(self.rvec)
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        return {
-            "rvec": self.rvec.tolist(),
-            "tvec": self.tvec.tolist(),
-            "ids": list(self.ids),
-            "corners": self.corners.tolist(),
-            "outline": self.outline.tolist(),
-            "purpose": self.purpose,
-            "hint": self.hint,
-            "hint_code": self.hint_code,
-            "gain": self.gain,
-        }
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        arrays = {name: values[name].tolist() for name in ARRAYS}
+        return {**values, **arrays, "ids": list(self.ids)}
 
     def to_record(self) -> dict[str, Any]:
-        """Plain values without the pixels, which follow from the pose and the camera: what is stored."""
+        """Plain values without the pixels, which follow from the pose and the camera."""
         return {name: value for name, value in self.to_dict().items() if name not in PIXELS}
 
     def redrawn(self, board: Board, camera: Camera) -> "TargetPose":
         """Target with its pixels as `camera` sees them."""
-        seen = TargetPose.seen(board, camera, rotation.matrix(self.rvec), self.tvec, self.purpose, self.gain)
+        seen = TargetPose.seen(board, camera, self.r, self.tvec, self.purpose, self.gain)
         return replace(self, ids=seen.ids, corners=seen.corners, outline=seen.outline)
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "TargetPose":
-        """Inverse of `to_dict` and, but for the pixels, of `to_record`."""
+        """Target of `to_dict` or, without the pixels, of `to_record`."""
         return cls(
-            rvec=np.asarray(values["rvec"], dtype=np.float64),
-            tvec=np.asarray(values["tvec"], dtype=np.float64),
+            rvec=values["rvec"],
+            tvec=values["tvec"],
             ids=tuple(values.get("ids", ())),
-            corners=np.asarray(values.get("corners", ()), dtype=np.float64).reshape(-1, 2),
-            outline=np.asarray(values.get("outline", ()), dtype=np.float64).reshape(-1, 2),
+            corners=np.reshape(values.get("corners", ()), (-1, 2)),
+            outline=np.reshape(values.get("outline", ()), (-1, 2)),
             purpose=str(values["purpose"]),
             hint=str(values["hint"]),
             hint_code=values["hint_code"] if values.get("hint_code") in TEXTS else "first",

@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from ..arrays import Array
 from ..camera import pixel_grid
 from ..errors import format_px_error, undetermined
 from ..fitting.calibration import Calibration
@@ -51,19 +50,19 @@ EDGE_CODES: Mapping[Side, Code] = {
     "bottom": "bottom_edge_not_covered",
 }
 REFERENCE_WIDTH_PX = 1280.0
-"""Image width at which the lengths below are meant, px; they scale with it."""
+"""Image width at which lengths in px are meant; they scale with it."""
 COVERAGE_RADIUS_DIAGONALS = 0.12
-"""Of the image's diagonal: how far a corner speaks for its surroundings."""
+"""Distance / diagonal of the image within which a corner covers its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
-"""px: smaller differences do not matter."""
+"""Difference below which none matters."""
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
-"""px, predicted rms projection error over the image, up to which a calibration is good, and fair."""
+"""Predicted rms projection error over the image, up to which a calibration is good, and fair."""
 MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
-"""px, the same inside the part of the image that the board has shown, up to which a calibration is fair;
-smallest share of the image that this part must be."""
+"""The same inside the part of the image that the board has shown, up to which a calibration is fair; smallest
+share of the image that this part must be."""
 MIN_FITTED_VIEWS = 4
 MIN_TILT_DEG = 15.0
-"""Degrees between sight line and board normal: below it focal length and distance trade places."""
+"""Angle between sight line and board normal, below which focal length and distance trade places."""
 MIN_RIM_COVERAGE = 0.6
 """Share of the rim of the image, or of one side of it, that has seen corners."""
 MAX_HELD_OUT_RATIO, MAX_FAIR_HELD_OUT_RATIO = 1.4, 2.5
@@ -73,14 +72,14 @@ MAX_FIXED_PATTERN_SHARE = 0.3
 WIDE_MODELS = ("fisheye", "rational", "omnidirectional")
 """Models for lenses that another cannot follow."""
 MAX_NOISE_PX = 0.5
-"""px, noise of one coordinate."""
+"""Noise of one coordinate."""
 MAX_OUTLIER_SHARE = 0.05
 """Share of the points left out."""
 
 
 @dataclass(frozen=True)
 class Reason:
-    """Reason why a calibration is not good: a code for programs, a sentence for people."""
+    """Reason why a calibration is not good."""
 
     code: Code
     text: str
@@ -88,7 +87,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Assessment:
-    """Verdict and its reasons, the one to act on first; no reasons if it is good."""
+    """Verdict and its reasons, the one to act on first."""
 
     level: Level
     reasons: tuple[Reason, ...]
@@ -105,10 +104,8 @@ def assess(
 
     Parameters
     ----------
-    calibration, views
-        The fit, and what was fitted.
     held_out
-        px, rms of a cross-validation (`cross_validation.held_out`), where there is one.
+        px, rms of a cross-validation (`cross_validation.held_out`), if there is one.
     coverage
         Part of the image that the board has shown; measured if None.
 
@@ -124,18 +121,19 @@ def assess(
         level = "poor"
     elif level == "good":
         return Assessment("fair" if doubts else "good", tuple(reason for _, reason in doubts))
-    taken = [view for i, view in enumerate(views) if i not in calibration.cut_views]
-    edge = _uncovered_edge(calibration, taken)
+    # Views that were cut took no part: what they show says nothing of the fit.
+    taken = {i: view for i, view in enumerate(views) if i not in calibration.cut_views}
+    edge = _uncovered_edge(calibration, list(taken.values()))
     is_extrapolated = coverage.rms < whole / 2
     reasons: list[Reason | None] = [reason for _, reason in doubts]
-    reasons += [_tilt(calibration, views), edge if is_extrapolated else None]
+    reasons += [_tilt(calibration, taken), edge if is_extrapolated else None]
     if calibration.noise > MAX_NOISE_PX * scale:
         text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board not flat"
         reasons.append(Reason("noisy", text))
     text = f"projections are expected to be {format_px_error(whole, width)}"
     text += f", {format_px_error(coverage.rms, width)} where the board has been: more views would help"
     reasons += [None if is_extrapolated else edge, Reason("uncertain", text)]
-    return Assessment(level, tuple(reason for reason in reasons if reason is not None))
+    return Assessment(level, tuple(filter(None, reasons)))
 
 
 def level_of(whole: float, inside: float, covered: float) -> Level:
@@ -149,7 +147,7 @@ def level_of(whole: float, inside: float, covered: float) -> Level:
 def _doubts(
     calibration: Calibration, views: Sequence[View], held_out: float | None
 ) -> Iterator[tuple[Level, Reason]]:
-    """List what makes the predicted errors doubtful, and the best level that it leaves."""
+    """What makes the predicted errors doubtful, and the best level that it leaves."""
     width = calibration.camera.img_size[0]
     left_out = len(calibration.cut_views)
     count = len(views) - left_out
@@ -177,11 +175,14 @@ def _doubts(
         yield "poor" if 2 * left_out > len(views) else "fair", Reason("views_left_out", text)
 
 
-def _tilt(calibration: Calibration, views: Sequence[View]) -> Reason | None:
-    """Reason if the board was never tilted."""
-    # Views that were cut took no part: what they show says nothing of the fit.
-    taken = [i for i in range(len(views)) if i not in calibration.cut_views]
-    tilt = float(np.degrees(tilts(calibration, views)[taken].max()))
+def _tilt(calibration: Calibration, taken: Mapping[int, View]) -> Reason | None:
+    """Reason if the board was never tilted; views `taken` by their indices."""
+    # Angle between the board's normal and the line of sight to its middle.
+    poses = Poses.of_vectors(calibration.poses[list(taken)])
+    middle = np.stack([view.object_points.mean(axis=0) for view in taken.values()])[:, :, None]
+    sight = poses.camera_points(middle)[:, :, 0]
+    cosine = np.abs(np.einsum("vi,vi->v", poses.r[:, :, 2], sight)) / np.linalg.norm(sight, axis=1)
+    tilt = float(np.degrees(np.arccos(np.clip(cosine, 0, 1)).max()))
     if tilt >= MIN_TILT_DEG:
         return None
     text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
@@ -201,16 +202,6 @@ def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason |
     errors = {side: float(np.nansum(std[EDGES[side]])) for side in missing}
     side = max(missing, key=errors.__getitem__)
     return Reason(EDGE_CODES[side], f"the {side} edge of the image has not seen the board yet")
-
-
-def tilts(calibration: Calibration, views: Sequence[View]) -> Array:
-    """Angle (v,) between each board's normal and the line of sight to its middle, radians."""
-    poses = Poses.of_vectors(calibration.poses)
-    middle = np.stack([view.object_points.mean(axis=0) for view in views])[:, :, None]
-    sight = poses.camera_points(middle)[:, :, 0]
-    cosine = np.abs(np.einsum("vi,vi->v", poses.r[:, :, 2], sight)) / np.linalg.norm(sight, axis=1)
-    angle: Array = np.arccos(np.clip(cosine, 0, 1))
-    return angle
 
 
 def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, float]:

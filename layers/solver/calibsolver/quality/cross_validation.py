@@ -1,4 +1,4 @@
-"""The error on views that took no part in the fit: what a calibration is worth elsewhere."""
+"""Error on views that took no part in the fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,15 +20,14 @@ FOLDS = 5
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """The result of a cross-validation.
+    """Result of a cross-validation.
 
     Attributes
     ----------
     rms
         px, root of the mean square distance over all points of the views left out.
     view_errors
-        (v,) px, rms of each view when it was left out; NaN where it never was: a degenerate view has no pose
-        to measure it by.
+        (v,) px, rms of each view when it was left out; NaN of a degenerate view, which has no pose.
     """
 
     rms: float
@@ -47,18 +46,12 @@ def held_out(
 ) -> HeldOut:
     """Cross-validate: intrinsics from the training views, the poses of the held-out views fitted.
 
-    Parameters
-    ----------
-    views, img_size, model, board_shape, start, fix
-        As for `fit`.
-
-    Every view is left out once, view i in part i mod FOLDS. With fewer views than that, every view makes a
-    part.
+    The parameters are those of `fit`. View i is left out in part i mod FOLDS.
 
     Raises
     ------
     CalibrationError
-        ``too_few_views`` where no training view would be left, or what the fit of a part raises.
+        ``too_few_views`` if no training view would be left, or what the fit of a part raises.
     """
     part = np.arange(len(views)) % FOLDS
     if len(views):

@@ -23,16 +23,14 @@ freedom on."""
 
 @dataclass(frozen=True)
 class Choice:
-    """A model and why.
+    """Model and why.
 
     Attributes
     ----------
-    model
-        Name of the model to use.
     held_out
         px, cross-validated rms by model; None if the model cannot be fitted to these views.
     reasons
-        In plain words, what spoke for it and against the others.
+        What spoke for the model and against the others, in sentences.
     """
 
     model: str
@@ -44,12 +42,11 @@ class Choice:
 def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     """Choose the model for the lens that took `views`.
 
-    By the error on views left out of the fit, every model on the same points: those that no model explains
-    are taken out first. The simplest model wins whose error is within `MAX_EQUAL_RATIO` of the least, or is
-    not significantly worse by a paired t test on the logarithms of the views' errors, one-sided at 5 %
-    (Student, "The probable error of a mean", 1908).
-
-    Raises CalibrationError (`fit`'s reason) where no model fits.
+    The criterion is the error on views left out of the fit, every model on the same points: those that no
+    model explains are taken out first. The simplest model wins whose error is within `MAX_EQUAL_RATIO` of
+    the least, or is not significantly worse by a paired t test on the logarithms of the views' errors,
+    one-sided at 5 % (Student, "The probable error of a mean", 1908). Raises CalibrationError (`fit`'s
+    reason) if no model fits.
     """
     fits: dict[str, Calibration] = {}
     refused: dict[str, CalibrationError] = {}
@@ -80,7 +77,7 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
 
 
 def simplicity_rank(name: str) -> tuple[int, int]:
-    """Rank of a model in the order from simple to complex."""
+    """Rank of a model from simple to complex."""
     return (
         SIMPLEST_FIRST.index(name) if name in SIMPLEST_FIRST else len(SIMPLEST_FIRST),
         models.get(name).size,
@@ -88,7 +85,7 @@ def simplicity_rank(name: str) -> tuple[int, int]:
 
 
 def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
-    """Drop the points that none of several fits used, and views with too few others."""
+    """Views without the points that none of several fits used; none with too few others."""
     out = []
     for i, view in enumerate(views):
         used = np.logical_or.reduce([c.used[i] for c in fits])
@@ -116,7 +113,7 @@ def describe_reasons(
     refused: Mapping[str, CalibrationError],
     img_size: tuple[int, int],
 ) -> list[str]:
-    """Describe in sentences why a model was chosen, model by model."""
+    """Sentences why a model was chosen, model by model."""
     width = img_size[0]
     sentences = [f"views left out of the fit of {chosen} are {format_px_error(scores[chosen].rms, width, 2)}"]
     for name, result in scores.items():

@@ -19,8 +19,8 @@ def prediction_ratio(calibration: Calibration, view: View, use: Mask, min_noise:
     """Actual over predicted rms error of a view that the calibration has not seen, its pose fitted.
 
     Its square is a reduced chi^2. Predicted is the noise of the corners and the uncertainty of the
-    intrinsics, both as far as no pose absorbs them: with A' the part of the Jacobian by the intrinsics that
-    no change of the pose explains, sigma^2 (2n - 6) + trace(A' covariance A'^T).
+    intrinsics, both as far as no pose absorbs them: with A' the part of the Jacobian by the intrinsics
+    that no change of the pose explains, sigma^2 (2n - 6) + trace(A' covariance A'^T).
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """Search for the rivals of a calibration among the other models."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from .model_selection import MAX_EQUAL_RATIO
 
 
 def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
-    """Return the calibration with the cameras of other models that explain its views as well.
+    """Calibration with the cameras of other models that explain its views as well.
 
     `views` are those of the fit. Its uncertainty outside the hull of the corners then includes how far the
     others differ. They are fitted to the board in the shape that the calibration found.
@@ -25,12 +26,10 @@ def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
     for name in models.NAMES:
         if name == calibration.camera.model:
             continue
-        try:
+        with suppress(CalibrationError):
             other = fit(shaped, size, name, board_shape=False)
-        except CalibrationError:
-            continue
-        if other.noise <= MAX_EQUAL_RATIO * calibration.noise:
-            rivals.append(Rival(other.camera, other.covariance))
+            if other.noise <= MAX_EQUAL_RATIO * calibration.noise:
+                rivals.append(Rival(other.camera, other.covariance))
     pairs = zip(views, calibration.used, strict=True)
     hull = Hull.of(np.concatenate([view.image_points[used] for view, used in pairs]))
     return replace(calibration, rivals=Rivals(tuple(rivals), hull))

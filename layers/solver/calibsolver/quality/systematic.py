@@ -1,12 +1,14 @@
 """Probable causes of systematic residuals: a bent board, motion, a changed focus, a model that is too simple.
 
 Each cause moves the corners of a view in a way of its own: regressors of the residuals, computed from the
-*predicted* corners (measured ones hold the noise, and would explain all of it). The share that a cause
-explains is the adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view projected
-out: 0 where it explains no more than chance. Another model explains the noise that its fit does away with.
+*predicted* corners (measured ones have the noise, and would explain all of it). The share that a cause
+explains is the adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view
+projected out: 0 if it explains no more than chance. Another model explains the noise that its fit does
+away with.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal
@@ -35,16 +37,16 @@ MIN_EXPLAINED_SHARE = 0.15
 MIN_SHARE_RATIO = 0.75
 """Share that a cause explains / the largest one, from which it is named rather than one with more numbers."""
 MAX_SHARE_BESIDE_MODEL = 0.5
-"""Share that a cause within the views explains, up to which another model may be to blame: half of it all."""
+"""Share that a cause within the views explains, up to which another model may be to blame."""
 MIN_CAUSED_PX = 0.2
-"""px, rms of what a cause explains, from which a calibration is not good: as much as the noise of corners."""
+"""Rms of what a cause explains, from which a calibration is not good: as much as the noise of corners."""
 MIN_CAUSED_INFLATION = 4.0
 """Inflation from which any cause leaves it not good: error bars are twice those of white noise."""
 PATTERN_IN_SHAPE = 0.5
-"""Fixed pattern from which other models are tried where the board has a shape, / that otherwise. The shape
-takes up some of what the model leaves."""
+"""Fixed pattern from which other models are tried / that if the board has no shape, which takes up some of
+it."""
 MAX_MODELS_S = 1.0
-"""Time for fits of other models, where the time is limited."""
+"""Time for fits of other models, if the time is limited."""
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
 ADVICE: Mapping[InView, str] = {
     "focus_changed": "The focus changed between views: switch autofocus off.",
@@ -60,8 +62,6 @@ class Cause:
 
     Attributes
     ----------
-    code
-        For programs.
     share
         Share of the residuals' variance that it explains, 0 to 1.
     text
@@ -71,7 +71,7 @@ class Cause:
     inflation
         Variance of the calibration's intrinsics / that under white noise.
     model
-        The model that follows the lens, where this one is too simple; else None.
+        The model that follows the lens, if this one is too simple.
     """
 
     code: Code
@@ -99,25 +99,20 @@ class Cause:
 
 @undetermined()
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
-    """Find the probable cause of what is systematic in the residuals; None if nothing explains them.
+    """Probable cause of what is systematic in the residuals; None if nothing explains them.
 
-    Parameters
-    ----------
-    calibration, views
-        The fit, and what was fitted; views that took no part do not count.
-
-    Motion has six numbers a view, a bend three, the focus one: motion explains much of what the others do,
-    not the reverse. So a cause with fewer numbers is named unless another explains clearly more.
+    `views` are those of the fit. Motion has six numbers a view, a bend three, the focus one: motion
+    explains much of what the others do, not the reverse. So a cause with fewer numbers is named unless
+    another explains clearly more.
     """
     taken = [i for i, used in enumerate(calibration.used) if used.any()]
     if len(taken) < MIN_CAUSE_VIEWS:
         return None
     shares = explained_shares(calibration, views)
-    subset = [views[i] for i in taken]
     most = max(shares.values())
     model, share = _NO_MODEL
     if most < MAX_SHARE_BESIDE_MODEL:
-        compute = partial(_better_model, calibration, views, subset)
+        compute = partial(_better_model, calibration, views)
         model, share = deadline.compute_within(MAX_MODELS_S, compute, _NO_MODEL)
     most = max(most, share)
     if most < MIN_EXPLAINED_SHARE:
@@ -132,25 +127,22 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
     return Cause(code, shares[code], ADVICE[code], float(np.sqrt(shares[code])) * rms, f)
 
 
-def _better_model(
-    calibration: Calibration, views: Sequence[View], kept: Sequence[View]
-) -> tuple[str | None, float]:
-    """Find a model with less noise in the used views, and the share of the residuals that it explains.
+def _better_model(calibration: Calibration, views: Sequence[View]) -> tuple[str | None, float]:
+    """Model with less noise in the used views, and the share of the residuals that it explains.
 
     Other models are fitted only if all views have the same pattern of errors. Ties go to the simplest.
     """
     bends = calibration.board_shape is not None
     if not has_fixed_pattern(calibration, views, PATTERN_IN_SHAPE if bends else 1.0):
         return _NO_MODEL
-    noise: dict[str, float] = {}
+    kept = [view for view, used in zip(views, calibration.used, strict=True) if used.any()]
+    shares: dict[str, float] = {}
     for name in models.NAMES:
         if name == calibration.camera.model:
             continue
-        try:
-            noise[name] = fit(kept, calibration.camera.img_size, name, board_shape=bends).noise
-        except CalibrationError:
-            continue
-    shares = {name: 1 - (value / max(calibration.noise, 1e-12)) ** 2 for name, value in noise.items()}
+        with suppress(CalibrationError):
+            noise = fit(kept, calibration.camera.img_size, name, board_shape=bends).noise
+            shares[name] = 1 - (noise / max(calibration.noise, 1e-12)) ** 2
     most = max(shares.values(), default=0.0)
     if most <= 0:
         return _NO_MODEL
@@ -167,8 +159,9 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
     q, rows = linearize(model, k, poses, obs.points, 0)
     height = calibration.camera.img_size[1]
-    middle = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask].mean(axis=1)
-    scale = np.abs(obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask] - middle[:, None]).max()
+    places = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask]
+    middle = places.mean(axis=1)
+    scale = np.abs(places - middle[:, None]).max()
     regressions: dict[InView, list[tuple[Array, Array]]] = {code: [] for code in ADVICE}
     for i, view in enumerate(taken):
         used = np.flatnonzero(calibration.used[view])

@@ -1,14 +1,13 @@
-"""Views that contradict a rig although a joint fit hides it: found by leaving them out one at a time.
+"""Views that contradict a rig although no residual of a joint fit stands out.
 
-A board that moved between the pictures of two cameras makes a moment whose views are each right
-and wrong together. With few moments and everything free the fit bends to it, and no residual stands out. But
-then the rig has far more noise than its single cameras, and without that view it has not.
+A board that moved between the images of two cameras makes a moment whose views are each right and wrong
+together. If few moments were captured, the fit bends to it. But then the rig has far more noise than its
+single cameras, and without that view it has not. So views are left out one at a time.
 """
 
 import numpy as np
 
 from ..arrays import Mask
-from ..errors import CalibrationError
 from ..fitting import outliers
 from ..fitting.levenberg_marquardt import NOISE_FLOOR, State
 from ..fitting.multistart import TOWARDS_OPTIMUM
@@ -16,9 +15,9 @@ from ..fitting.robust_homography import medians
 from .problem import RigProblem, unlinked_cameras
 
 MAX_JOINT_NOISE_RATIO = 1.5
-"""Noise of the rig / noise of its single cameras from which a contradicting view is looked for."""
+"""Noise of the rig / noise of its single cameras, from which a contradicting view is searched."""
 MIN_NOISE_DROP = 0.6
-"""Noise of the rig without a view / with it, below which the view is set aside: it explains most of it."""
+"""Noise of the rig without a view / with it, below which the view is set aside."""
 MAX_START_MEDIANS = 3.0
 """Error of a moment under the start / that of the typical moment, up to which its views agree at first."""
 MIN_START_ERROR_WIDTHS = 1e-3
@@ -28,10 +27,10 @@ MAX_CANDIDATES = 12
 
 
 def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
-    """Points (m, n) of `mask` whose views agree with the start, on which most of the moments agree.
+    """Points (m, n) of `mask` whose views agree with the start; all of `mask` if others would unlink cameras.
 
-    A compromise of moments that contradict each other may be far from all of them: the fit begins with those
-    near the start, and the others are tested against it. All of `mask` where cameras would lose their links.
+    A compromise of moments that contradict each other may be far from all of them. So the fit begins with
+    the views near the start, on which most of the moments agree, and the others are tested against it.
     """
     errors = np.full((len(mask), len(problem.members)), np.nan)
     for i, member in enumerate(problem.members):
@@ -49,7 +48,7 @@ def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
     left = mask.copy()
     for i, member in enumerate(problem.members):
         left[far[:, i], member.slots] = False
-    return left if is_linked(problem, left) else mask
+    return mask if find_unlinked(problem, left) else left
 
 
 def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float) -> bool:
@@ -59,16 +58,16 @@ def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float
 
 
 def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -> tuple[State, Mask] | None:
-    """Leave out the view that explains most of the noise of points `among` (m, n); None if none does.
+    """State near the optimum without the view that explains most of the noise, and the points (m, n) left.
 
-    Returns the state near the optimum without it, and the points that are left.
+    None if no view of the points `among` (m, n) does.
     """
     noise = float(np.sqrt(np.mean(state.square[among])))
     candidates: list[tuple[float, State, Mask]] = []
     for row, slots in _candidates(problem, state, among):
         left = among.copy()
         left[row, slots] = False
-        if not is_linked(problem, left):
+        if find_unlinked(problem, left):
             continue
         moved = problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
         if moved.is_finite:
@@ -79,28 +78,13 @@ def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -
     return (moved, left) if least < MIN_NOISE_DROP * noise else None
 
 
-def is_linked(problem: RigProblem, good: Mask) -> bool:
-    """True if points `good` (m, n) link every camera to camera 0."""
-    return not find_unlinked(problem, good)
-
-
 def find_unlinked(problem: RigProblem, good: Mask) -> tuple[int, ...]:
-    """Positions that no chain of moments leads to from camera 0, of points `good` (m, n)."""
+    """Positions that no chain of moments links to camera 0, of points `good` (m, n)."""
     visible = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
     return unlinked_cameras(len(problem.members), [np.flatnonzero(moment).tolist() for moment in visible])
 
 
-def check_links(problem: RigProblem, good: Mask) -> None:
-    """Raise CalibrationError if what is left, `good` (m, n), does not link the cameras."""
-    lost = find_unlinked(problem, good)
-    if lost:
-        raise CalibrationError(
-            "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
-        )
-
-
 def _candidates(problem: RigProblem, state: State, among: Mask) -> list[tuple[int, slice]]:
-    """List views (row, slots) of moments that several cameras share, those with the largest errors first."""
     errors = []
     for row in range(len(among)):
         views = [member.slots for member in problem.members if among[row, member.slots].any()]

@@ -1,6 +1,6 @@
 """Joint fit of a rig: intrinsics, relative poses and board poses, by the solver of one camera.
 
-The rig's noise is one number: residuals of a camera with more of it weigh less in proportion (`RigMember`).
+The residuals of cameras with more noise weigh less in proportion.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, IntArray, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
@@ -22,29 +21,19 @@ from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
 from ..fitting.validation import MIN_POINTS
 from ..rotation import vector
-from . import start as rig_start
 from . import transfer
 from .calibration import RigCalibration
-from .contradictions import (
-    check_links,
-    is_contradictory,
-    is_linked,
-    near_start,
-    without_contradicting_view,
-)
-from .problem import Moment, RigMember, RigProblem, pack_moments
-from .single import Single, Specification, fit_alone
-from .start import ResectedMoment, RigidMotion, RigStart
-from .thinning import thin
+from .contradictions import find_unlinked, is_contradictory, near_start, without_contradicting_view
+from .problem import Moment, RigProblem, thin
+from .start import LocatedMoment, RigidMotion, Single, Specification, fit_alone, resected, stack, start
 
 MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
-"""Rounds of outlier rejection."""
 MAX_UNSETTLED_ROUNDS = 3
-"""Rounds that end without convergence, after which the moments are taken to contradict each other."""
+"""Rounds without convergence after which the moments are taken to contradict each other."""
 ROUND = Options(iterations=40, tolerance=1e-8)
-"""One round: moments that agree need ten steps or twenty, and the next round continues there."""
+"""One round: moments that agree need ten to twenty steps, and the next round continues there."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
@@ -52,7 +41,7 @@ MAX_TAIL_RMS_RATIO = 1.1
 MIN_MOMENTS_PER_LATE_VIEW = 4
 """Moments for each view that is set aside although no residual of its own stands out."""
 MAX_NOISE_RATIO = 4.0
-"""Noise of the noisiest camera / that of the quietest, beyond which it is taken for no larger."""
+"""Largest ratio of the noise of two cameras that is believed."""
 
 
 @undetermined()
@@ -70,26 +59,24 @@ def fit(
     Parameters
     ----------
     moments
-        Of each pose of the board, held still: the views by the positions of their cameras, in any unit of
-        length, the same for all.
+        Views of each pose of the board, held still, by the positions of their cameras, in any unit of length.
     cameras
         For each position the image size and the model to be fitted, or a `Camera` whose intrinsics are held.
     robust
-        Views that contradict the rig are set aside, and points beyond 4 sigma left out. Otherwise plain least
+        Set aside views that contradict the rig, and leave out points beyond 4 sigma. Otherwise plain least
         squares over all points, and a view that no camera could have seen raises.
     starts
         Cameras that may be near, by position.
     max_points
-        Points to which views are thinned (`thinning`), where the time is bounded; errors are those of the
-        points left.
+        Points to which views are thinned (`thinning`); errors are those of the points left.
     board_shape
         Estimate bend and stretch of the one board that all cameras see, as `calibsolver.fit` does.
 
     Raises
     ------
     CalibrationError
-        As `calibsolver.fit`, the camera named; ``bad_rig`` where cameras or positions make no sense,
-        ``unlinked`` where some cameras share no moment with the others.
+        As `calibsolver.fit`, the camera named; ``bad_rig`` if cameras or positions make no sense,
+        ``unlinked`` if some cameras share no moment with the others.
     """
     moments = [dict(moment) for moment in moments]
     _check(moments, cameras)
@@ -97,18 +84,14 @@ def fit(
     if max_points is not None:
         moments = thin(moments, max_points)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
-        alone = [fit_alone(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
-        resected = [
-            ResectedMoment(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
-            for m, moment in enumerate(moments)
-        ]
-        linked = [m for m, moment in enumerate(resected) if moment.poses]
-        began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
-        return _RigFit(moments, alone, linked, began, robust, board_shape).run()
+        starts = starts or {}
+        alone = [fit_alone(moments, i, each, robust, starts.get(i)) for i, each in enumerate(cameras)]
+        usable = {m: each for m, each in enumerate(resected(moments, dict(enumerate(alone)))) if each.poses}
+        motions, located = start([each.camera for each in alone], list(usable.values()))
+        return _RigFit(moments, alone, list(usable), motions, located, robust, board_shape).run()
 
 
 def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
-    """Raise CalibrationError (``bad_rig``, ``no_views``, ``unlinked``) unless every camera has views."""
     if not MIN_RIG_CAMERAS <= len(cameras) <= MAX_RIG_CAMERAS:
         raise CalibrationError(
             "bad_rig", f"a rig has {MIN_RIG_CAMERAS} to {MAX_RIG_CAMERAS} cameras, not {len(cameras)}"
@@ -130,12 +113,13 @@ def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _RigFit:
-    """One joint fit: moments, the single cameras, moments that have a pose, the start."""
+    """One joint fit. `linked`: numbers of the moments that are `located`."""
 
     given: Sequence[Moment]
     alone: Sequence[Single]
     linked: Sequence[int]
-    began: RigStart
+    motions: Sequence[RigidMotion]
+    located: Sequence[LocatedMoment]
     robust: bool
     board_shape: bool
 
@@ -143,52 +127,37 @@ class _RigFit:
     def noises(self) -> Array:
         """Noise (c,) of one coordinate of a corner of each camera, px."""
         result = np.maximum([each.noise for each in self.alone], 1e-12)
-        out: Array = np.minimum(result, MAX_NOISE_RATIO * result.min())
-        return out
+        return np.asarray(np.minimum(result, MAX_NOISE_RATIO * result.min()))
 
     @cached_property
     def noise(self) -> float:
-        """Noise of the single cameras, px."""
         return float(np.exp(np.log(self.noises).mean()))
 
     @cached_property
     def problem(self) -> RigProblem:
-        """Cameras and observations of the moments that have a pose."""
-        count = len(self.alone)
-        lengths = [max(len(m[i]) for m in self.began.moments if i in m) for i in range(count)]
-        starts = np.cumsum([0, *lengths]).tolist()
-        noises, common = self.noises, self.noise if self.robust else 1.0
-        members = tuple(
-            RigMember(
-                models.get(each.camera.model),
-                each.camera.img_size,
-                each.camera.intrinsics if each.is_held else None,
-                slice(starts[i], starts[i + 1]),
-                common / float(noises[i]) if self.robust else 1.0,
-            )
-            for i, each in enumerate(self.alone)
-        )
-        return RigProblem(members, pack_moments(self.began.moments, lengths))
+        cameras, held = [each.camera for each in self.alone], [each.is_held for each in self.alone]
+        weights = [self.noise / float(noise) for noise in self.noises] if self.robust else None
+        return RigProblem.of([each.views for each in self.located], cameras, held, weights)
 
     @cached_property
     def mask(self) -> Mask:
-        """Points (m, n) that may take part: of views that their own camera explains."""
-        mask = self.problem.obs.mask.copy()
+        """Points (m, n) of views that their own camera explains."""
+        return self._without(self.problem.obs.mask, self._refused_alone())
+
+    def _without(self, mask: Mask, views: Mapping[tuple[int, int], str]) -> Mask:
+        """Points (m, n) of `mask` but for those of `views`, by (moment, position)."""
+        left = mask.copy()
         for row, m in enumerate(self.linked):
             for i, member in enumerate(self.problem.members):
-                if m in self.alone[i].reasons:
-                    mask[row, member.slots] = False
-        return mask
+                if (m, i) in views:
+                    left[row, member.slots] = False
+        return left
 
     def run(self) -> RigCalibration:
-        """Fit from the start."""
         problem = self.problem
-        motions = np.array([each.vector() for each in self.began.cameras])
+        motions = np.array([each.vector() for each in self.motions])
         k = problem.pack([each.camera.intrinsics for each in self.alone], motions)
-        boards = self.began.boards
-        state = problem.at(
-            k, Poses(np.array([each.r for each in boards]), np.array([each.t for each in boards]))
-        )
+        state = problem.at(k, Poses(*stack([each.board for each in self.located])))
         if not self.robust:
             return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
         state, good = self._begin(state)
@@ -201,11 +170,15 @@ class _RigFit:
                 break
             among = outcome[1]
             state, good = self._least_squares(*outcome, among)
-        check_links(problem, good)
+        lost = find_unlinked(problem, good)
+        if lost:
+            raise CalibrationError(
+                "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
+            )
         return self._shaped(state, good) or self._result(state, good)
 
     def _shaped(self, state: State, good: Mask) -> RigCalibration | None:
-        """Fit the board's shape with the rest; None if it explains no more than chance and motion do."""
+        """Result with the board's shape; None if it explains no more than chance and motion do."""
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
         noise2 = self._sigma(state, good) ** 2
@@ -219,23 +192,24 @@ class _RigFit:
         return self._result(shaped, good, mixed)
 
     def _begin(self, state: State) -> tuple[State, Mask]:
-        """Fit from the start: with all views, and where some contradict, with those near the start first."""
+        """Fit with all views, and if some contradict, with those near the start first."""
         problem, near = self.problem, near_start(self.problem, state, self.mask)
         begun: list[tuple[bool, int, State, Mask]] = []
         for first in (self.mask,) if near is self.mask else (self.mask, near):
             moved = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
             fitted, good = self._least_squares(moved, self.mask, first)
             believed = fitted.converged and not is_contradictory(problem, fitted, good, self.noise)
-            begun.append((believed and is_linked(problem, good), int(good.sum()), fitted, good))
+            is_linked = not find_unlinked(problem, good)
+            begun.append((believed and is_linked, int(good.sum()), fitted, good))
             if believed and np.array_equal(good, self.mask):
                 break
         _, _, state, good = max(begun, key=lambda each: each[:2])
         return state, good
 
     def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
-        """Fit to points `among` (m, n) but for outliers; state, and the points that took part.
+        """State and the points that took part: those `among` (m, n) but for outliers.
 
-        Those of `first` (m, n) say how much noise there is before anything is left out.
+        The points of `first` (m, n) show how much noise there is before anything is left out.
         """
         inliers = self._inliers(state, among, first, outliers.GROSS_OUTLIER_SIGMAS)
         state, good = self._reject_outliers(state, among, inliers)
@@ -249,9 +223,9 @@ class _RigFit:
     def _inliers(self, state: State, mask: Mask, among: Mask, sigmas: float) -> Mask:
         """Inlier mask (m, n) of the points of `mask`; the noise is that of those `among` them.
 
-        A view most of whose points lie beyond so many `sigmas` is left out whole.
-        Of the others single points are left out only from MIN_OUTLIER_WIDTHS on: what a detector finds has
-        tails, and they hardly move a rig.
+        A view most of whose points lie beyond so many `sigmas` is left out whole. Single points of other
+        views are left out only from MIN_OUTLIER_WIDTHS on: what a detector finds has tails, and they
+        hardly move a rig.
         """
         near = outliers.near_points(state, mask, among, sigmas, self.problem.width)
         if near is mask:
@@ -260,16 +234,15 @@ class _RigFit:
         for member in self.problem.members:
             counts = near[:, member.slots].sum(axis=1)
             there = mask[:, member.slots].sum(axis=1)
-            good[:, member.slots] &= (counts >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
-                :, None
-            ]
+            enough = counts >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there)
+            good[:, member.slots] &= enough[:, None]
         return good
 
     def _reject_outliers(self, state: State, mask: Mask, inliers: Mask) -> tuple[State, Mask]:
-        """Fit to points of `mask` (m, n) and reject outliers in turn, from those of `inliers` on."""
+        """Fit to points of `mask` (m, n) and reject outliers in turn, starting with `inliers`."""
         good, unsettled = inliers, 0
         for _ in range(MAX_REJECTIONS):
-            if not is_linked(self.problem, good):
+            if find_unlinked(self.problem, good):
                 return state, good  # refused later
             state = self.problem.solve(state, outliers.unit_weights(good), ROUND)
             previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)
@@ -288,16 +261,12 @@ class _RigFit:
         return max(sigma, levenberg_marquardt.ROUNDOFF * self.problem.width)
 
     def _labels(self, state: State, good: Mask) -> IntArray:
-        """Clusters (m,) of moments with the board in nearly the same pose."""
         image = self.problem.members[0]
         focal = float(image.model.focal(self.problem.intrinsics(state.k, 0))[0]) / image.img_size[0]
         return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
 
     def _result(self, optimum: State, good: Mask, mixed: MixedFit | None = None) -> RigCalibration:
-        """Describe the optimum; `good` (m, n) are the points that took part.
-
-        `mixed`: how the board's shape was fitted, which the optimum then has; None: it is as drawn.
-        """
+        """Result at the optimum; `mixed`: how the board's shape was fitted, None if the board is as drawn."""
         if not optimum.converged:
             raise CalibrationError(
                 "not_converged", "the fit did not settle: the moments contradict each other"
@@ -338,7 +307,7 @@ class _RigFit:
         for member in problem.members:
             square[:, member.slots] /= member.weight**2
         aside = self._set_aside(good)
-        left = self._points_with_pose(square, aside)
+        left = self._without(obs.mask & np.isfinite(square), aside)
         board_poses = np.full((len(self.given), 6), np.nan)
         board_poses[list(self.linked)] = np.concatenate([vector(state.poses.r), state.poses.t], axis=1)
         return RigCalibration(
@@ -353,49 +322,38 @@ class _RigFit:
             uncertainty=transfer.uncertainty(problem, state.k, jacobian, covariance, distances),
             working_distances=frozen(distances),
             set_aside=aside,
-            turned=tuple((self.linked[row], position) for row, position in self.began.turned),
+            turned=tuple(
+                (m, i) for m, each in zip(self.linked, self.located, strict=True) for i in each.turned
+            ),
             board_shape=shape,
         )
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
         """Raise CalibrationError if many points lie where a camera's model is not one-to-one."""
-        in_rig, vectors = (
-            state.poses.camera_points(self.problem.obs.points),
-            self.problem.camera_poses(state.k),
-        )
-        for i, (camera, member) in enumerate(zip(cameras, self.problem.members, strict=True)):
-            p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-            inside = camera.valid(p)[good[:, member.slots]]
+        for i, p in enumerate(self.problem.points_before_cameras(state)):
+            inside = cameras[i].valid(p)[good[:, self.problem.members[i].slots]]
             if inside.size and np.mean(~inside) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
                 raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
 
+    def _refused_alone(self) -> dict[tuple[int, int], str]:
+        """Reasons why single cameras refuse views, by (moment, position)."""
+        return {(m, i): why for i, each in enumerate(self.alone) for m, why in each.reasons.items()}
+
     def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:
-        """Reasons why views are wholly left out, by (moment, position)."""
-        reasons = {(m, i): why for i, each in enumerate(self.alone) for m, why in each.reasons.items()}
+        reasons = self._refused_alone()
         for row, m in enumerate(self.linked):
             for i in self.given[m]:
                 if not good[row, self.problem.members[i].slots].any():
                     reasons.setdefault((m, i), "contradicts")
         return reasons
 
-    def _points_with_pose(self, square: Array, aside: Mapping[tuple[int, int], str]) -> Mask:
-        """Mask (m, n) of the points given, but for those of views set aside, which have no board pose."""
-        left = self.problem.obs.mask & np.isfinite(square)
-        for row, m in enumerate(self.linked):
-            for i, member in enumerate(self.problem.members):
-                if (m, i) in aside:
-                    left[row, member.slots] = False
-        return left
-
     def _view_errors(self, square: Array) -> dict[tuple[int, int], float]:
-        """Rms, px, of each view under the rig, by (moment, position)."""
         errors = {}
         for row, m in enumerate(self.linked):
             for i in self.given[m]:
                 part = self.problem.members[i].slots
-                errors[m, i] = float(
-                    np.sqrt(square[row, part].sum() / self.problem.obs.mask[row, part].sum())
-                )
+                mean = square[row, part].sum() / self.problem.obs.mask[row, part].sum()
+                errors[m, i] = float(np.sqrt(mean))
         return errors
 
     def _all_intrinsics(self, covariance: Array) -> Array:

@@ -1,8 +1,8 @@
 """Transfer of points between the cameras of a rig, its derivatives, and the predicted error.
 
-A pixel of camera i becomes the point at working distance along its ray, and a pixel of camera j. A turn of a
-camera's frame that its relative pose makes good changes nothing, so this error is free of what intrinsics and
-poses exchange between them.
+A pixel of camera i becomes the point at working distance along its ray, and a pixel of camera j. A turn of
+a camera's frame that its relative pose makes good changes nothing, so this error is free of what
+intrinsics and poses exchange between them.
 """
 
 import numpy as np
@@ -15,36 +15,33 @@ from ..fitting.levenberg_marquardt import State
 from ..fitting.uncertainty import variance
 from .calibration import RigUncertainty
 from .problem import RigProblem, cross, left_jacobian
-from .start import RigidMotion
 
 GRID = (12, 9)
-"""Pixels (columns, rows) of each camera whose transfer is looked at."""
+"""Pixels (columns, rows) of each camera whose transfer counts."""
 MIN_SHARED = 3
 """Pixels that two cameras share at least for their transfer to count."""
 
 
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
-    """Median distance (c,) of each camera from the board's points that it and another camera saw.
+    """Median distance (c,), board units, of each camera from points that it and another camera saw.
 
-    In board units. Close-ups for a single camera say nothing about where both look.
+    Close-ups for a single camera say nothing about where both look.
     """
     views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
     shared = views.sum(axis=1) > 1
-    in_rig, vectors = state.poses.camera_points(problem.obs.points), problem.camera_poses(state.k)
-    out = np.empty(len(problem.members))
-    for i, member in enumerate(problem.members):
-        p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-        counted = good[:, member.slots] & shared[:, None]
-        distances = np.linalg.norm(p, axis=2)[counted]
-        out[i] = np.median(distances) if distances.size else np.nan
+    out = np.full(len(problem.members), np.nan)
+    for i, (p, member) in enumerate(zip(problem.points_before_cameras(state), problem.members, strict=True)):
+        distances = np.linalg.norm(p, axis=2)[good[:, member.slots] & shared[:, None]]
+        if distances.size:
+            out[i] = np.median(distances)
     return np.where(np.isfinite(out), out, np.nanmedian(out))
 
 
 def jacobian(problem: RigProblem, k: Array, distances: Array) -> Array:
-    """Differentiate transferred pixels by the shared unknowns, (n, 2, p), of all ordered pairs of cameras.
+    """Derivatives (n, 2, p) of transferred pixels by the shared unknowns, of all ordered pairs of cameras.
 
-    Of pixels on a grid that land in the other image. Where no two cameras share any, the direction to the
-    point from the other camera counts instead, times that camera's focal length.
+    The pixels are those on a grid that land in the other image. If no two cameras share any, the direction
+    to the point from the other camera counts instead, times that camera's focal length.
     """
     count = len(problem.members)
     pairs = [(i, j) for i in range(count) for j in range(count) if i != j]
@@ -67,7 +64,7 @@ def metric(jacobian: Array, rows: Array, used: Mask) -> Array:
 def uncertainty(
     problem: RigProblem, k: Array, jacobian: Array, covariance: Array, distances: Array
 ) -> RigUncertainty:
-    """Predict the error of a rig whose shared unknowns have a covariance (p, p)."""
+    """Predicted error of a rig whose shared unknowns have a covariance (p, p)."""
     turns, shifts = [], []
     for i, pose in enumerate(problem.camera_poses(k)[1:], start=1):
         part = slice(problem.offsets[1][i], problem.offsets[1][i] + 6)
@@ -82,7 +79,7 @@ def uncertainty(
 
 
 def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, inside: bool) -> Array:
-    """Differentiate the transfer of pixels from camera i to camera j by the shared unknowns, (n, 2, p)."""
+    """Derivatives (n, 2, p) of the transfer of pixels from camera i to camera j by the shared unknowns."""
     one, other = problem.members[i], problem.members[j]
     vectors = problem.camera_poses(k)
     k_i, k_j = problem.intrinsics(k, i), problem.intrinsics(k, j)
@@ -123,7 +120,7 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
 
 
 def _ray_derivatives(problem: RigProblem, k: Array, position: int, rays: Array) -> Array:
-    """Differentiate the unit rays (3, n) of fixed pixels by the intrinsics of their camera, (n, 3, p)."""
+    """Derivatives (n, 3, p) of the unit rays (3, n) of fixed pixels by the intrinsics of their camera."""
     _, by_k, by_p = problem.members[position].model.jacobian(k, rays)
     a = by_p.transpose(2, 1, 0)
     inverse = a.transpose(0, 2, 1) @ np.linalg.inv(a @ a.transpose(0, 2, 1))
@@ -132,7 +129,7 @@ def _ray_derivatives(problem: RigProblem, k: Array, position: int, rays: Array) 
 
 
 def _by_direction(x: Array) -> Array:
-    """Differentiate two angles, radians, of the direction to points (3, n) by the points, (3, 2, n)."""
+    """Derivatives (3, 2, n) of two angles, radians, of the direction to points (3, n) by the points."""
     length = np.linalg.norm(x, axis=0)
     axes = rotation.rotation_to_ray((x / length).T)[:, :, :2]  # (n, 3, 2)
     out: Array = axes.transpose(1, 2, 0) / length

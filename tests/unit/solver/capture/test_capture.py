@@ -7,7 +7,7 @@ import pytest
 
 from calibsolver import Board, Camera, View, models, rotation
 from calibsolver.capture import Capture
-from calibsolver.guidance import PoseSelection, TargetPose
+from calibsolver.guidance import TargetPose
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
 
@@ -172,31 +172,6 @@ def test_mirrored_first_view_is_refused_in_any_pose() -> None:
 def test_unknown_guidance_raises_value_error() -> None:
     with pytest.raises(ValueError, match="guidance"):
         Capture(BOARD, (1280, 720), guidance="random")
-
-
-def test_capture_from_record_equals_constructed_capture() -> None:
-    camera = Camera("fisheye", np.array([[500.0, 0, 320], [0, 500, 240], [0, 0, 1]]), np.zeros(4), (640, 480))
-    record = {
-        "board": {"squares": [7, 5], "marker_ratio": 0.7, "dictionary": "DICT_5X5_100", "legacy": True},
-        "img_size": [640, 480],
-        "distortion_model": "fisheye",
-        "guidance": "pose-selection",
-        "target_error": 0.2,
-        "prior": {
-            "img_size": [640, 480],
-            "distortion_model": "fisheye",
-            "camera_matrix": camera.matrix.tolist(),
-            "distortion_coefficients": [0.0] * 4,
-        },
-        "views": [],
-    }
-    made = Capture.from_record(record)
-    assert made.board == Board((7, 5), 0.7, "DICT_5X5_100", True)
-    assert (made.img_size, made.model, made.target_error) == ((640, 480), "fisheye", 0.2)
-    assert isinstance(made.guide, PoseSelection)
-    assert made.seed is not None
-    np.testing.assert_array_equal(made.seed.intrinsics, camera.intrinsics)
-    assert Capture.from_record({**record, "prior": None}).seed is None
 
 
 def started(seed: Camera | None) -> synthetic.Session:

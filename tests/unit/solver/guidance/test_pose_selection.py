@@ -5,9 +5,8 @@ import pytest
 
 from calibsolver import Board, Camera, models, rotation
 from calibsolver.guidance import PoseSelection
-from calibsolver.guidance.distorted_region import Box, displacement, find_next_region
 from calibsolver.guidance.overlap import jaccard_index
-from calibsolver.guidance.pose_selection import subdivided_tilt_deg
+from calibsolver.guidance.pose_selection import Box, displacement, find_next_region, subdivided_tilt_deg
 from tests.helpers.solver import peers, synthetic
 
 SIZE = (1280, 720)

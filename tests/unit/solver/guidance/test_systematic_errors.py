@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Board, models, rotation
 from calibsolver.fitting.normal_equations import Poses, linearize, reduced_information
 from calibsolver.fitting.systematic_effects import displacements, row_position
-from calibsolver.guidance.systematic_errors import limited_information, systematic_share
+from calibsolver.guidance.posterior import limited_information, systematic_share
 from tests.helpers.solver import synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[4]

@@ -10,9 +10,8 @@ import pytest
 from calibsolver import Board, CalibrationError, Camera, View, fit, rig
 from calibsolver.arrays import Array
 from calibsolver.fitting.normal_equations import Poses
-from calibsolver.models import get
 from calibsolver.rig import transfer
-from calibsolver.rig.problem import RigMember, RigProblem, pack_moments
+from calibsolver.rig.problem import RigProblem
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, rigs, synthetic
@@ -144,15 +143,7 @@ def test_derivatives_are_those_of_the_residuals() -> None:
     truth = rigs.side_by_side(cameras, 1.0)
     rng = np.random.default_rng(0)
     moments = rigs.moments(truth, BOARD, 3, 0.2, rng)
-    lengths = [max(len(m[i]) for m in moments if i in m) for i in range(3)]
-    ends = np.cumsum([0, *lengths]).tolist()
-    members = tuple(
-        RigMember(
-            get(c.model), c.img_size, c.intrinsics if i == 1 else None, slice(ends[i], ends[i + 1]), 1 + i
-        )
-        for i, c in enumerate(cameras)
-    )
-    problem = RigProblem(members, pack_moments(moments, lengths))
+    problem = RigProblem.of(moments, cameras, [False, True, False], [1.0, 2.0, 3.0])
     k = problem.pack([c.intrinsics for c in cameras], np.array([m.vector() for m in truth.motions]))
     poses = Poses.of_vectors(np.tile([0.1, -0.2, 0.05, -4.0, -2.5, 12.0], (3, 1)))
     state = problem.at(k, poses)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, View, rig
-from calibsolver.rig.thinning import MIN_KEPT_POINTS, thin, thin_view
+from calibsolver.rig.problem import MIN_KEPT_POINTS, thin, thin_view
 from tests.helpers.solver import rigs, synthetic
 
 DENSE = Board((50, 49), dictionary="DICT_APRILTAG_36h10")
