@@ -131,20 +131,17 @@ class Consistency:
         for i in range(len(views)):
             rest = [*views[:i], *views[i + 1 :]]
             without = self.fit_trial(rest, whole)
-            # The points of `view` add to the squared error of the rest.
-            if without is not None and self._rms_with_perfect(without, view) > largest:
-                continue
+            if without is not None:
+                # The points of `view` add to the squared error of the rest: here, as if they had none.
+                count = sum(u.sum() for u in without.used) + len(self._thin(view))
+                if np.sqrt(squared_errors(without).sum() / count) > largest:
+                    continue
             if not self.is_consistent(rest, view):
                 continue
             together = self.fit_trial([*rest, view])
             if together is not None and (best is None or together.rms_inliers < best[0]):
                 best = together.rms_inliers, i
         return best[1] if best is not None and best[0] <= largest else None
-
-    def _rms_with_perfect(self, calibration: Calibration, view: View) -> float:
-        """Error of a trial fit, px rms over the inliers, were the points of `view` added without error."""
-        count = sum(u.sum() for u in calibration.used) + len(self._thin(view))
-        return float(np.sqrt(squared_errors(calibration).sum() / count))
 
     def find_outlier_view(self, views: Sequence[View]) -> int | None:
         """Index of an accepted view that is not consistent with the others, or None."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from ..errors import CalibrationError, format_factor
+from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
 from ..fitting.uncertainty import Uncertainty
@@ -36,18 +36,6 @@ LIMIT_REACHED = Advice(
     "limit_reached",
     "So many views are in that more would hardly help; the error that was aimed for is not reached.",
 )
-
-
-def describe_disagreement(ratio: float | None, better_model: str | None) -> tuple[Advice, ...]:
-    """Advice after a view whose error is `ratio` times the predicted one (None: as predicted)."""
-    advice = []
-    if ratio is not None:
-        text = f"The last view lies {format_factor(ratio)} as far off as was predicted; more views will tell."
-        advice.append(Advice("prediction_disagrees", text))
-    if better_model is not None:
-        text = f"This lens bends more than the model can; {better_model} explains it better."
-        advice.append(Advice("model_too_simple", text))
-    return tuple(advice)
 
 
 def find_better_model(views: Sequence[View], calibration: Calibration) -> str | None:

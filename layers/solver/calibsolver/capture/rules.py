@@ -9,7 +9,7 @@ import numpy as np
 from .. import deadline, models, rotation
 from ..board import Board
 from ..camera import Camera
-from ..errors import undetermined
+from ..errors import format_factor, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
 from ..fitting.resection import reprojection_score
@@ -20,26 +20,26 @@ from ..guidance.target import TargetPose
 from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
 from .admission import Reason, is_posed, is_usable, rejection_reason
-from .consistency import Consistency
+from .consistency import MAX_OUTVOTED_VIEWS, Consistency
 from .decision import (
     EXCLUDED_MINORITY,
+    EXCLUDED_OUTLIER,
     LIMIT_REACHED,
     REFUSAL_HINTS,
+    Advice,
     Estimate,
     Exclusion,
     ViewDecision,
-    describe_disagreement,
     find_better_model,
 )
 from .ending import MAX_VIEWS, MIN_VIEWS, NO_HISTORY, EndReason, History
-from .exclusion import exclude_outliers, resolve_conflict
 
 MAX_POINTS = 20_000
 """Points of all views with which a capture ends: the whole board would be one view too many."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
 """Noise of a corner's coordinate / image width; no detector has more in an image that shows markers."""
-MAX_ADVICE_S = 1.0
-"""Time to find another model, if the time is limited."""
+MAX_ADVICE_S = MAX_CONFLICT_S = 1.0
+"""Time to find another model, and views that conflict with others, if the time is limited."""
 MAX_RUNNING_PROGRESS = 0.95
 MIN_GAIN_SHARE = 0.2
 """Share of the gain predicted for the target from which a view counts as held at the target."""
@@ -164,7 +164,7 @@ class Capture:
             if i not in keep and self.consistency.is_consistent([views[k] for k in keep], views[i]):
                 keep.append(i)
         left_out = {i: excluded.get(i, EXCLUDED_MINORITY) for i in range(len(views)) if i not in keep}
-        return self.estimate(views, exclude_outliers(self.consistency, views, left_out)).with_cause(views)
+        return self.estimate(views, self._exclude_outliers(views, left_out)).with_cause(views)
 
     def next_target(
         self,
@@ -227,7 +227,8 @@ class Capture:
             return self._refuse("outlier", view, target)
         all_views = [*views, view]
         if not self.consistency.is_consistent(others, view):
-            resolved = resolve_conflict(self.consistency, views, view, excluded, quarantined)
+            resolve = partial(self._resolve_conflict, views, view, excluded, quarantined)
+            resolved = deadline.compute_within(MAX_CONFLICT_S, resolve, None)
             if resolved is None:
                 quarantine = bool(others) and self.consistency.is_consistent([], view)
                 return replace(self._refuse("outlier", view, target), quarantine=quarantine)
@@ -237,7 +238,7 @@ class Capture:
         on_target = None
         if target is not None:
             on_target = isinstance(self.guide, PoseSelection) or gain >= MIN_GAIN_SHARE * target.gain
-        left_out = exclude_outliers(self.consistency, all_views, excluded)
+        left_out = self._exclude_outliers(all_views, excluded)
         history = history.with_view(bool(on_target))
         estimate = self.estimate(all_views, left_out, history)
         if estimate.calibration is None or len(views) in left_out:
@@ -281,12 +282,55 @@ class Capture:
         if not (disagrees or noisy or len(estimate.excluded) > len(excluded_before)):
             return estimate
         better = deadline.compute_within(MAX_ADVICE_S, partial(find_better_model, views, calibration), None)
-        advice = (*estimate.advice, *describe_disagreement(ratio if disagrees else None, better))
-        estimate = replace(estimate, advice=advice, suggested_model=better)
+        advice = list(estimate.advice)
+        if disagrees:
+            text = f"The last view lies {format_factor(ratio)} as far off as was predicted"
+            text += "; more views will tell."
+            advice.append(Advice("prediction_disagrees", text))
+        if better is not None:
+            text = f"This lens bends more than the model can; {better} explains it better."
+            advice.append(Advice("model_too_simple", text))
+        estimate = replace(estimate, advice=tuple(advice), suggested_model=better)
         if not disagrees or estimate.end != "target":
             return estimate
         end = self._end_reason(views, estimate, history, is_predicted=False)
         return replace(estimate, end=end, progress=estimate.progress if end else MAX_RUNNING_PROGRESS)
+
+    def _resolve_conflict(
+        self,
+        views: Sequence[View],
+        view: View,
+        excluded: Mapping[int, Exclusion],
+        quarantined: Sequence[View],
+    ) -> dict[int, Exclusion] | None:
+        """Exclusions of `views` that let `view` stay; None if `view` itself is wrong."""
+        active = [i for i in range(len(views)) if i not in excluded]
+        if not active or not self.consistency.is_consistent([], view):
+            return None
+        wrong = self.consistency.find_conflicting_view([views[i] for i in active], view)
+        if wrong is not None:
+            return {**excluded, active[wrong]: EXCLUDED_OUTLIER}
+        outvoted = min(len(active), MAX_OUTVOTED_VIEWS)
+        group = self.consistency.find_consistent_views(view, [*quarantined, *views], outvoted)
+        if len(group) <= outvoted:
+            return None
+        members = {id(member) for member in group}
+        return {
+            i: excluded.get(i, EXCLUDED_MINORITY) for i, other in enumerate(views) if id(other) not in members
+        }
+
+    def _exclude_outliers(
+        self, views: Sequence[View], excluded: Mapping[int, Exclusion]
+    ) -> dict[int, Exclusion]:
+        """Exclusions with the views that are not consistent with the others."""
+        result = dict(excluded)
+        while True:
+            active = [i for i in range(len(views)) if i not in result]
+            find = partial(self.consistency.find_outlier_view, [views[i] for i in active])
+            wrong = deadline.compute_within(MAX_CONFLICT_S, find, None)
+            if wrong is None:
+                return result
+            result[active[wrong]] = EXCLUDED_OUTLIER
 
     def _redundancy(self, target: TargetPose, others: Sequence[View], view: View) -> Reason | None:
         """Reason to refuse a live view that agrees with the `others`; None if it is accepted."""

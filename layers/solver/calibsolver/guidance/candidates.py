@@ -5,12 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import models
+from .. import models, rotation
 from ..arrays import Array, IntArray, Mask
 from ..board import Board
 from ..camera import Camera
 from ..fitting.normal_equations import Poses
-from ..rotation import rotation_to_ray
 
 DIMENSIONS = 6
 MAX_OUTSIDE_VIEW_DEG = 15.0
@@ -98,8 +97,7 @@ def r_sequence(count: int, offset: int) -> Array:
     for _ in range(40):  # positive root of x^7 = x + 1
         root = (1 + root) ** (1 / (DIMENSIONS + 1))
     alpha = root ** -np.arange(1.0, DIMENSIONS + 1)
-    points: Array = (0.5 + (np.arange(count)[:, None] + 1 + offset * count) * alpha) % 1.0
-    return points
+    return np.asarray((0.5 + (np.arange(count)[:, None] + 1 + offset * count) * alpha) % 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +138,7 @@ class RayGrid:
         upper = self.rays[j, i] * (1 - a) + self.rays[j, i + 1] * a
         lower = self.rays[j + 1, i] * (1 - a) + self.rays[j + 1, i + 1] * a
         ray = upper * (1 - b) + lower * b
-        unit: Array = ray / np.sqrt(np.einsum("ci,ci->c", ray, ray))[:, None]
-        return unit
+        return np.asarray(ray / np.sqrt(np.einsum("ci,ci->c", ray, ray))[:, None])
 
 
 def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseLimits) -> Poses:
@@ -157,23 +154,13 @@ def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseL
     (width_px, height_px), (columns, rows) = rays.img_size, board.size
     if (columns - rows) * (width_px - height_px) < 0:  # the longer side of the board along the image's
         roll = roll + np.pi / 2
-    r = rotation_to_ray(ray) @ tilt_roll_rotation(tilt, azimuth, roll)
+    zero = np.zeros(len(unit))
+    tilted = rotation.matrix(np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth), zero], axis=1))
+    rolled = rotation.matrix(np.stack([zero, zero, roll], axis=1))
+    r = rotation.rotation_to_ray(ray) @ tilted @ rolled
     distance = rays.focal * max(board.size) / length
     center = board.outline.mean(axis=0)
     return Poses(r, ray * distance[:, None] - r @ center)
-
-
-def tilt_roll_rotation(tilt: Array, azimuth: Array, roll: Array) -> Array:
-    """Rotations (c, 3, 3): by a roll about z, then by a tilt about the axis at an azimuth in the image."""
-    ct, st, ca, sa = np.cos(tilt), np.sin(tilt), np.cos(azimuth), np.sin(azimuth)
-    cr, sr = np.cos(roll), np.sin(roll)
-    one = 1 - ct
-    a, b, c = ct + ca * ca * one, ca * sa * one, ct + sa * sa * one
-    r = np.empty((len(tilt), 3, 3))
-    r[:, 0, 0], r[:, 0, 1], r[:, 0, 2] = a * cr + b * sr, b * cr - a * sr, sa * st
-    r[:, 1, 0], r[:, 1, 1], r[:, 1, 2] = b * cr + c * sr, c * cr - b * sr, -ca * st
-    r[:, 2, 0], r[:, 2, 1], r[:, 2, 2] = ca * st * sr - sa * st * cr, ca * st * cr + sa * st * sr, ct
-    return r
 
 
 def tilt_and_width_from_unit_cube(unit: Array, limits: PoseLimits) -> tuple[Array, Array]:

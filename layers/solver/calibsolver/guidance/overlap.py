@@ -32,8 +32,7 @@ def rasterize(polygon: Array, img_size: tuple[int, int]) -> Mask:
     fall = np.where(start[:, 1] == end[:, 1], 1.0, end[:, 1] - start[:, 1])
     x = start[:, 0] + (rows[:, None] - start[:, 1]) / fall * (end[:, 0] - start[:, 0])
     to_the_right = crossed[:, :, None] & (x[:, :, None] > columns)
-    inside: Mask = to_the_right.sum(axis=1) % 2 == 1
-    return inside
+    return np.asarray(to_the_right.sum(axis=1) % 2 == 1)
 
 
 def estimate_outline(board: Board, view: View) -> Array:
@@ -47,5 +46,4 @@ def estimate_outline(board: Board, view: View) -> Array:
     edge_rays = np.concatenate([edge, np.ones((len(edge), 1))], axis=1) @ homography.h[0].T
     with np.errstate(all="ignore"):
         outline: Array = edge_rays[:, :2] / edge_rays[:, 2:] * scale + middle
-    front: Array = outline[(edge_rays[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
-    return front
+    return np.asarray(outline[(edge_rays[:, 2] > 0) & np.isfinite(outline).all(axis=1)])

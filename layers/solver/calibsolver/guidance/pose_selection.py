@@ -99,8 +99,7 @@ def displacement(camera: Camera, columns: int, rows: int) -> Array:
         distance = np.linalg.norm(pinhole - q, axis=1)
     distance = np.where(ray[:, 2] > 0.05, distance, np.nan)
     largest = np.nanmax(distance) if np.isfinite(distance).any() else 1.0
-    field: Array = np.nan_to_num(distance, nan=largest).reshape(rows, columns)
-    return field
+    return np.asarray(np.nan_to_num(distance, nan=largest).reshape(rows, columns))
 
 
 def bounding_box(region: Mask) -> Box:

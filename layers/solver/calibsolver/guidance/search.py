@@ -102,8 +102,7 @@ class Search:
         `other` (p, p) is the information of another view that is added to each.
         """
         known = np.eye(len(self._metric)) if other is None else np.eye(len(self._metric)) + other
-        error: Array = np.einsum("cij,ij->c", np.linalg.inv(known + information), self._metric)
-        return error
+        return np.asarray(np.einsum("cij,ij->c", np.linalg.inv(known + information), self._metric))
 
     def refine(
         self, start: Candidates, radii: tuple[float, ...], other: Array | None = None
@@ -184,5 +183,4 @@ def is_similar(poses: Poses, r: Array, t: Array, board: Board) -> Mask:
     center = board.outline.mean(axis=0)
     distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + t), axis=1)
     cos_angle = poses.r[:, :, 2] @ r[:, 2]
-    similar: Mask = (cos_angle > np.cos(np.radians(20))) & (distance < 1.5)
-    return similar
+    return np.asarray((cos_angle > np.cos(np.radians(20))) & (distance < 1.5))

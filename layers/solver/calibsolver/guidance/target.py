@@ -11,7 +11,7 @@ from ..arrays import Array, frozen
 from ..board import Board
 from ..camera import Camera
 from .candidates import distance_to_border
-from .hints import TEXTS, Code, Hint, Placement, largest_difference
+from .hints import TEXTS, Hint, Placement, largest_difference
 
 ARRAYS = ("rvec", "tvec", "corners", "outline")
 PIXELS = ("ids", "corners", "outline")
@@ -50,7 +50,7 @@ class TargetPose:
     outline: Array
     purpose: str
     hint: str
-    hint_code: Code
+    hint_code: str
     gain: float
 
     def __post_init__(self) -> None:
@@ -130,5 +130,4 @@ def edge_points(board: Board) -> Array:
     """Points along the board's edge, (4 * EDGE_SAMPLES, 3), board frame, clockwise from the top left."""
     start, end = board.outline, np.roll(board.outline, -1, axis=0)
     s = np.arange(EDGE_SAMPLES)[None, :, None] / EDGE_SAMPLES
-    points: Array = (start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3)
-    return points
+    return np.asarray((start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3))

@@ -36,19 +36,13 @@ Side = Literal["left", "right", "top", "bottom"]
 
 RIM_GRID = (12, 9)
 PATTERN_GRID = (8, 6)
-EDGES: Mapping[Side, tuple[slice | int, slice | int]] = {
-    "left": (slice(None), 0),
-    "right": (slice(None), -1),
-    "top": (0, slice(None)),
-    "bottom": (-1, slice(None)),
+EDGES: Mapping[Side, tuple[Code, slice | int, slice | int]] = {
+    "left": ("left_edge_not_covered", slice(None), 0),
+    "right": ("right_edge_not_covered", slice(None), -1),
+    "top": ("top_edge_not_covered", 0, slice(None)),
+    "bottom": ("bottom_edge_not_covered", -1, slice(None)),
 }
-"""Outermost cells of RIM_GRID, (row, column)."""
-EDGE_CODES: Mapping[Side, Code] = {
-    "left": "left_edge_not_covered",
-    "right": "right_edge_not_covered",
-    "top": "top_edge_not_covered",
-    "bottom": "bottom_edge_not_covered",
-}
+"""Outermost cells of RIM_GRID, row and column, and the code if no board was there."""
 REFERENCE_WIDTH_PX = 1280.0
 """Image width at which lengths in px are meant; they scale with it."""
 COVERAGE_RADIUS_DIAGONALS = 0.12
@@ -199,9 +193,8 @@ def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason |
         text = f"the board came near {np.mean(list(sides.values())):.0%} of the rim of the image"
         return Reason("edges_not_covered", text)
     std = calibration.projection_std(RIM_GRID)
-    errors = {side: float(np.nansum(std[EDGES[side]])) for side in missing}
-    side = max(missing, key=errors.__getitem__)
-    return Reason(EDGE_CODES[side], f"the {side} edge of the image has not seen the board yet")
+    side = max(missing, key=lambda each: float(np.nansum(std[EDGES[each][1:]])))
+    return Reason(EDGES[side][0], f"the {side} edge of the image has not seen the board yet")
 
 
 def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, float]:
@@ -210,8 +203,8 @@ def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, 
     points = np.concatenate([view.image_points for view in views])
     radius = COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)
     shares = {}
-    for side, rim in EDGES.items():
-        distance = np.linalg.norm(cells[rim][:, None] - points[None], axis=2).min(axis=1)
+    for side, (_, row, column) in EDGES.items():
+        distance = np.linalg.norm(cells[row, column][:, None] - points[None], axis=2).min(axis=1)
         shares[side] = float(np.mean(distance < radius))
     return shares
 

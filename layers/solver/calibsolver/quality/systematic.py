@@ -27,8 +27,6 @@ from .assessment import REFERENCE_WIDTH_PX, Reason, has_fixed_pattern
 from .model_selection import simplicity_rank
 
 Code = Literal["board_bent", "motion", "focus_changed", "model_too_simple"]
-InView = Literal["board_bent", "motion", "focus_changed"]
-"""Causes that differ from view to view."""
 
 MIN_CAUSE_VIEWS = 3
 """Views from which a cause is looked for: fewer fit the intrinsics to it."""
@@ -48,12 +46,12 @@ it."""
 MAX_MODELS_S = 1.0
 """Time for fits of other models, if the time is limited."""
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
-ADVICE: Mapping[InView, str] = {
+ADVICE: Mapping[Code, str] = {
     "focus_changed": "The focus changed between views: switch autofocus off.",
     "board_bent": "The board bends from view to view: glue it to something rigid, such as glass or a tray.",
     "motion": "The board or the camera moved while a picture was taken: hold it still for longer.",
 }
-"""Advice to the person who holds the board, by cause; causes with fewer numbers a view come first."""
+"""Advice to the person who holds the board, by cause within a view; causes with fewer numbers come first."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +149,7 @@ def _better_model(calibration: Calibration, views: Sequence[View]) -> tuple[str 
     return best, shares[best]
 
 
-def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[InView, float]:
+def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Code, float]:
     """Share of the residuals' variance that each cause within a view explains: adjusted R^2."""
     taken = [i for i, used in enumerate(calibration.used) if used.any()]
     obs = Observations.of(calibration.shaped([views[i] for i in taken]))
@@ -162,7 +160,7 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
     places = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask]
     middle = places.mean(axis=1)
     scale = np.abs(places - middle[:, None]).max()
-    regressions: dict[InView, list[tuple[Array, Array]]] = {code: [] for code in ADVICE}
+    regressions: dict[Code, list[tuple[Array, Array]]] = {code: [] for code in ADVICE}
     for i, view in enumerate(taken):
         used = np.flatnonzero(calibration.used[view])
         j = rows[:, :, i, used]
@@ -177,7 +175,7 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
         zoom = (k[0] * j[0] + k[1] * j[1])[None]
         basis = np.linalg.qr(_columns(by_pose))[0]
         r = residual - basis @ (basis.T @ residual)
-        regressors_of: dict[InView, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
+        regressors_of: dict[Code, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
         for code, regressors in regressors_of.items():
             z = _columns(regressors)
             regressions[code].append((r, z - basis @ (basis.T @ z)))
@@ -190,8 +188,7 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
 def _columns(rows: Array) -> Array:
     """Regressors (m, 2, n) as columns (2n, m) of unit length."""
     flat = rows.reshape(len(rows), -1).T
-    out: Array = flat / np.maximum(np.linalg.norm(flat, axis=0), 1e-300)
-    return out
+    return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=0), 1e-300))
 
 
 def _share_in_each(views: Sequence[tuple[Array, Array]]) -> float:

@@ -1,7 +1,7 @@
 """Estimate of a running rig in plain values."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -175,25 +175,17 @@ def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dic
 def _target_record(rig: _Rig, target: RigTarget, calibration: RigCalibration | None) -> dict[str, Any] | None:
     if not target.views:
         return None
-    hints = {n: _hint(rig, view, n, calibration) for n, view in target.views.items()}
-    first = hints[min(hints)]
+    cameras = []
+    for n, view in sorted(target.views.items()):
+        hint = _hint(rig, view, n, calibration)
+        hinted = replace(view, hint=hint.text, hint_code=hint.code).to_dict()
+        members = {name: value for name, value in hinted.items() if name not in ("purpose", "gain")}
+        cameras.append({"position": rig.positions[n], **members})
     return {
         "purpose": target.purpose,
-        "hint": first.text,
-        "hint_code": first.code,
-        "cameras": [
-            {
-                "position": rig.positions[n],
-                "rvec": view.rvec.tolist(),
-                "tvec": view.tvec.tolist(),
-                "ids": list(view.ids),
-                "corners": view.corners.tolist(),
-                "outline": view.outline.tolist(),
-                "hint": hints[n].text,
-                "hint_code": hints[n].code,
-            }
-            for n, view in sorted(target.views.items())
-        ],
+        "hint": cameras[0]["hint"],
+        "hint_code": cameras[0]["hint_code"],
+        "cameras": cameras,
     }
 
 

@@ -3,7 +3,7 @@
 The residuals of cameras with more noise weigh less in proportion.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -147,11 +147,16 @@ class _RigFit:
     def _without(self, mask: Mask, views: Mapping[tuple[int, int], str]) -> Mask:
         """Points (m, n) of `mask` but for those of `views`, by (moment, position)."""
         left = mask.copy()
-        for row, m in enumerate(self.linked):
-            for i, member in enumerate(self.problem.members):
-                if (m, i) in views:
-                    left[row, member.slots] = False
+        for view, row, slots in self._views():
+            if view in views:
+                left[row, slots] = False
         return left
+
+    def _views(self) -> Iterator[tuple[tuple[int, int], int, slice]]:
+        """Views by (moment, position) of the linked moments, their rows and columns."""
+        for row, m in enumerate(self.linked):
+            for i in self.given[m]:
+                yield (m, i), row, self.problem.members[i].slots
 
     def run(self) -> RigCalibration:
         problem = self.problem
@@ -280,9 +285,7 @@ class _RigFit:
         self._check_domain(cameras, state, good)
         sigma = self._sigma(state, good)
         poses = problem.camera_poses(state.k)
-        taken: slice | IntArray = slice(None)
-        if not good.any(axis=1).all():
-            taken = np.flatnonzero(good.any(axis=1))
+        taken = np.flatnonzero(good.any(axis=1))
         rows, counted = state.rows[:, :, taken], good[taken]
         distances = transfer.working_distances(problem, state, good)
         jacobian = transfer.jacobian(problem, state.k, distances)
@@ -306,6 +309,9 @@ class _RigFit:
         square = np.where(obs.mask, state.square, 0.0)
         for member in problem.members:
             square[:, member.slots] /= member.weight**2
+        errors = {}
+        for view, row, slots in self._views():
+            errors[view] = float(np.sqrt(square[row, slots].sum() / obs.mask[row, slots].sum()))
         aside = self._set_aside(good)
         left = self._without(obs.mask & np.isfinite(square), aside)
         board_poses = np.full((len(self.given), 6), np.nan)
@@ -315,7 +321,7 @@ class _RigFit:
             poses=frozen(poses),
             board_poses=frozen(board_poses),
             rms=float(np.sqrt(square[left].sum() / max(left.sum(), 1))),
-            view_errors=self._view_errors(square),
+            view_errors=errors,
             covariance=frozen(self._all_intrinsics(covariance)),
             noise=sigma,
             inflation=spread.inflation,
@@ -341,20 +347,10 @@ class _RigFit:
 
     def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:
         reasons = self._refused_alone()
-        for row, m in enumerate(self.linked):
-            for i in self.given[m]:
-                if not good[row, self.problem.members[i].slots].any():
-                    reasons.setdefault((m, i), "contradicts")
+        for view, row, slots in self._views():
+            if not good[row, slots].any():
+                reasons.setdefault(view, "contradicts")
         return reasons
-
-    def _view_errors(self, square: Array) -> dict[tuple[int, int], float]:
-        errors = {}
-        for row, m in enumerate(self.linked):
-            for i in self.given[m]:
-                part = self.problem.members[i].slots
-                mean = square[row, part].sum() / self.problem.obs.mask[row, part].sum()
-                errors[m, i] = float(np.sqrt(mean))
-        return errors
 
     def _all_intrinsics(self, covariance: Array) -> Array:
         """Covariance (q, q) with rows and columns of 0 for intrinsics that are held."""

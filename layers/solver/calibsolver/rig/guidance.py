@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
 from ..board import Board
 from ..camera import Camera
@@ -26,9 +25,10 @@ from ..guidance.posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
 from ..guidance.projection_uncertainty import ProjectionUncertainty
 from ..guidance.search import is_similar
 from ..guidance.target import TargetPose
+from ..view import View
 from . import transfer
 from .calibration import RigCalibration
-from .problem import Moment, RigMember, RigProblem, unlinked_cameras
+from .problem import Moment, RigProblem, unlinked_cameras
 from .start import RigidMotion, Specification
 
 LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min_visible=0.5)
@@ -153,17 +153,9 @@ class _Search:
         self.motions = calibration.motions
         self.corners = CornerGrid.of(board, 5)
         self.skipped = [RigidMotion.of_vector(np.asarray(pose)) for pose in skipped]
-        count = self.corners.points.shape[1]
-        self.members = tuple(
-            RigMember(
-                models.get(camera.model),
-                camera.img_size,
-                camera.intrinsics if isinstance(given, Camera) else None,
-                slice(i * count, (i + 1) * count),
-            )
-            for i, (camera, given) in enumerate(zip(self.cameras, cameras, strict=True))
-        )
-        problem = self._problem(np.zeros((1, count * len(cameras)), dtype=bool))
+        grid = View(self.corners.points.T, self.corners.points[:2].T)
+        held = [isinstance(each, Camera) for each in cameras]
+        self.problem = problem = RigProblem.of([dict.fromkeys(range(len(cameras)), grid)], self.cameras, held)
         self.k = problem.pack([camera.intrinsics for camera in self.cameras], calibration.poses)
         free = np.flatnonzero(np.diagonal(calibration.covariance) > 0)
         if len(free) != problem.size:
@@ -219,8 +211,9 @@ class _Search:
         use = np.flatnonzero(feasible)
         error = np.full(len(unit), np.inf)
         if use.size:
-            problem = self._problem(visible[use])
-            state = problem.at(self.k, Poses(poses.r[use], poses.t[use]))
+            points = np.tile(self.problem.obs.points, (len(use), 1, 1))
+            obs = Observations(points, np.zeros_like(points[:, :2]), visible[use])
+            state = replace(self.problem, obs=obs).at(self.k, Poses(poses.r[use], poses.t[use]))
             rows = state.rows[:-1] * np.sqrt(self.corners.multiplicity)
             s = normal_equations.schur_complement(normal_equations.gram_matrices(rows))
             after = symmetric_inverse(self.information + s / self.noise2)
@@ -230,22 +223,17 @@ class _Search:
 
     def _visibility(self, poses: Poses, lead: IntArray) -> tuple[Mask, Mask]:
         """Corners (c, n) that count, in all cameras' slots, and cameras (c, k) that see candidates."""
-        count = self.corners.points.shape[1]
-        visible = np.zeros((len(lead), count * len(self.cameras)), dtype=bool)
+        visible = np.zeros((len(lead), self.problem.obs.mask.shape[1]), dtype=bool)
         seen = np.zeros((len(lead), len(self.cameras)), dtype=bool)
         for i, (camera, motion) in enumerate(zip(self.cameras, self.motions, strict=True)):
             there = Poses(motion.r @ poses.r, poses.t @ motion.r.T + motion.t)
             p = there.camera_points(self.corners.points)
-            q = self.members[i].model.project(camera.intrinsics, p.transpose(1, 0, 2)).transpose(1, 0, 2)
+            member = self.problem.members[i]
+            q = member.model.project(camera.intrinsics, p.transpose(1, 0, 2)).transpose(1, 0, 2)
             found, within = candidates.check_visibility(p, q, there.r, self.corners, camera, OTHER_LIMITS)
             _, as_leader = candidates.check_visibility(p, q, there.r, self.corners, camera, LIMITS)
             within = np.where(lead == i, as_leader, within)
             within &= candidates.is_in_front(there, self.board, self.rays[i])
             seen[:, i] = within
-            visible[:, self.members[i].slots] = (found == 1) & within[:, None]
+            visible[:, member.slots] = (found == 1) & within[:, None]
         return visible, seen
-
-    def _problem(self, visible: Mask) -> RigProblem:
-        points = np.tile(self.corners.points, (len(visible), 1, len(self.members)))
-        pixels = np.zeros((len(visible), 2, points.shape[2]))
-        return RigProblem(self.members, Observations(points, pixels, visible))

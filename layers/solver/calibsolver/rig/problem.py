@@ -245,11 +245,9 @@ def left_jacobian(rvec: Array) -> Array:
     angle = np.sqrt(angle2)
     k = rotation.skew(rvec)
     if angle < 1e-4:
-        small: Array = np.eye(3) + k / 2 + k @ k / 6
-        return small
+        return np.asarray(np.eye(3) + k / 2 + k @ k / 6)
     a, b = (1 - np.cos(angle)) / angle2, (angle - np.sin(angle)) / (angle2 * angle)
-    out: Array = np.eye(3) + a * k + b * (k @ k)
-    return out
+    return np.asarray(np.eye(3) + a * k + b * (k @ k))
 
 
 def cross(p: Array, b: Array) -> Array:

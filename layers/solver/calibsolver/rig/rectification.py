@@ -96,5 +96,4 @@ def _centre(camera: Camera, r: Array) -> Array:
         raise CalibrationError("not_representable", "the cameras look in directions too far apart")
     if len(visible) < 0.75 * rim.sum():  # of a wide lens the middle says where its picture is
         visible = middle
-    centre: Array = np.mean(visible[:, :2] / visible[:, 2:], axis=0)
-    return centre
+    return np.asarray(np.mean(visible[:, :2] / visible[:, 2:], axis=0))

@@ -9,8 +9,10 @@ that agree (hypothesize and verify, as RANSAC does; the chordal mean of rotation
 others.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -21,7 +23,6 @@ from ..errors import CalibrationError
 from ..fitting.approximation import Approximation, approximate
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
-from ..fitting.normal_equations import Poses
 from ..fitting.observations import Observations
 from ..fitting.resection import resect
 from ..fitting.validation import MIN_POINTS, check
@@ -65,8 +66,7 @@ class RigidMotion:
 
     def __call__(self, points: Array) -> Array:
         """Points (n, 3) after the motion."""
-        moved: Array = points @ self.r.T + self.t
-        return moved
+        return np.asarray(points @ self.r.T + self.t)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ def start(
     Raises CalibrationError ``unlinked``.
     """
     turns = symmetries([view for moment in moments for view in moment.views.values()])
-    links = _links(moments)
+    links = Counter(pair for moment in moments for pair in combinations(sorted(moment.poses), 2))
     to_rig = {0: RigidMotion(np.eye(3), np.zeros(3))}
     while len(to_rig) < len(cameras):
         reachable = {pair: n for pair, n in links.items() if (pair[0] in to_rig) != (pair[1] in to_rig)}
@@ -132,16 +132,6 @@ def stack(motions: Sequence[RigidMotion]) -> tuple[Array, Array]:
 def turn_back(view: View, turn: RigidMotion) -> View:
     """View of the board turned: each pixel belongs to the point to which the turn leads."""
     return replace(view, object_points=turn(view.object_points))
-
-
-def _links(moments: Sequence[ResectedMoment]) -> dict[tuple[int, int], int]:
-    links: dict[tuple[int, int], int] = {}
-    for moment in moments:
-        positions = sorted(moment.poses)
-        for a in range(len(positions)):
-            for b in range(a + 1, len(positions)):
-                links[positions[a], positions[b]] = links.get((positions[a], positions[b]), 0) + 1
-    return links
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +217,7 @@ def locate_boards(
     The view with which most of the others agree says where the board is. The fewest turns are believed. Of
     two views either of which may be turned, the one that shows the board upright is as it should be.
     """
-    best: list[tuple[tuple[float, ...], RigidMotion, dict[int, int]] | None] = [None] * len(moments)
+    hypotheses: list[list[tuple[tuple[float, ...], RigidMotion, dict[int, int]]]] = [[] for _ in moments]
     for reference in range(len(cameras)):
         with_pose = [m for m, moment in enumerate(moments) if reference in moment.poses]
         back = motions[reference].inverse()
@@ -239,9 +229,8 @@ def locate_boards(
                 continue
             padded = _PaddedViews.of(camera, [moments[m].views[position] for m in shared], turns)
             errors, turned = padded.errors(*stack([motions[position] @ boards[m] for m in shared]))
-            for m, error, turn in zip(
-                shared, (errors / camera.img_size[0]).tolist(), turned.tolist(), strict=True
-            ):
+            widths = (errors / camera.img_size[0]).tolist()
+            for m, error, turn in zip(shared, widths, turned.tolist(), strict=True):
                 costs[m] += min(error, MAX_START_ERROR_WIDTHS)
                 if error < MAX_START_ERROR_WIDTHS:
                     labels[m][position] = turn
@@ -249,27 +238,18 @@ def locate_boards(
             turned_count = sum(turn > 0 for turn in labels[m].values())
             pose = moments[m].poses[reference]
             upright = pose.r[0, 0] + pose.r[1, 1]
-            rank = (
-                -len(labels[m]),
-                turned_count,
-                -round(upright) if turned_count else 0,
-                costs[m],
-                reference,
-            )
-            motion = best[m]
-            if motion is None or rank < motion[0]:
-                best[m] = rank, boards[m], labels[m]
-    settled = []
-    for moment, motions_of_moment in zip(moments, best, strict=True):
-        if motions_of_moment is None:
-            raise CalibrationError("degenerate", "a moment has no view of which the pose is known")
-        _, board, turned_by = motions_of_moment
-        views = {
-            position: turn_back(view, turns[turned_by[position]]) if turned_by.get(position) else view
-            for position, view in moment.views.items()
-        }
-        settled.append(LocatedMoment(board, views, tuple(i for i, turn in turned_by.items() if turn)))
-    return settled
+            lean = -round(upright) if turned_count else 0
+            rank = (-len(labels[m]), turned_count, lean, costs[m], reference)
+            hypotheses[m].append((rank, boards[m], labels[m]))
+    located = []
+    for moment, each in zip(moments, hypotheses, strict=True):
+        _, board, turned_by = min(each, key=lambda ranked: ranked[0])
+        turned_positions = tuple(i for i, turn in turned_by.items() if turn)
+        views = dict(moment.views)
+        for i in turned_positions:
+            views[i] = turn_back(views[i], turns[turned_by[i]])
+        located.append(LocatedMoment(board, views, turned_positions))
+    return located
 
 
 Specification = Camera | tuple[tuple[int, int], str]
@@ -304,11 +284,8 @@ def fit_alone(
             result = fit(views, size, model, robust=False, start=near)
     except CalibrationError as error:
         raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
-    all_poses = Poses.of_vectors(np.asarray(result.poses))
     poses = {
-        m: RigidMotion(all_poses.r[i], all_poses.t[i])
-        for i, m in enumerate(numbers)
-        if i not in result.cut_views
+        m: RigidMotion.of_vector(result.poses[i]) for i, m in enumerate(numbers) if i not in result.cut_views
     }
     reasons = {numbers[i]: reason for i, reason in result.cut_views.items()}
     return Single(result.camera, False, poses, reasons, result.noise)

@@ -57,8 +57,7 @@ def metric(jacobian: Array, rows: Array, used: Mask) -> Array:
     flat = jacobian.reshape(-1, jacobian.shape[2])
     if not flat.size or not np.isfinite(flat).all():
         return normal_equations.reduced_information(rows[:-1] * used)
-    m: Array = flat.T @ flat / len(jacobian)
-    return m
+    return np.asarray(flat.T @ flat / len(jacobian))
 
 
 def uncertainty(
@@ -124,13 +123,11 @@ def _ray_derivatives(problem: RigProblem, k: Array, position: int, rays: Array) 
     _, by_k, by_p = problem.members[position].model.jacobian(k, rays)
     a = by_p.transpose(2, 1, 0)
     inverse = a.transpose(0, 2, 1) @ np.linalg.inv(a @ a.transpose(0, 2, 1))
-    out: Array = -inverse @ by_k.transpose(2, 1, 0)
-    return out
+    return np.asarray(-inverse @ by_k.transpose(2, 1, 0))
 
 
 def _by_direction(x: Array) -> Array:
     """Derivatives (3, 2, n) of two angles, radians, of the direction to points (3, n) by the points."""
     length = np.linalg.norm(x, axis=0)
     axes = rotation.rotation_to_ray((x / length).T)[:, :, :2]  # (n, 3, 2)
-    out: Array = axes.transpose(1, 2, 0) / length
-    return out
+    return np.asarray(axes.transpose(1, 2, 0) / length)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, models, rotation
+from calibsolver import Board, Camera, models
 from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.overlap import jaccard_index
 from calibsolver.guidance.pose_selection import Box, displacement, find_next_region, subdivided_tilt_deg
@@ -38,10 +38,9 @@ def test_second_pose_fills_the_picture_for_every_model(model: str) -> None:
 @pytest.mark.parametrize("model", models.NAMES)
 def test_principal_point_target_is_shifted_by_five_percent(model: str) -> None:
     """Each camera with its own focal length, px per radian at the axis."""
-    k = models.get(model).start(900.0, SIZE)
-    camera = Camera.from_intrinsics(model, k, SIZE)
+    camera = Camera.from_intrinsics(model, models.get(model).start(900.0, SIZE), SIZE)
     target = PoseSelection(Board(), SIZE, model).tilted_target(2, 0, camera)
-    center = rotation.matrix(target.rvec) @ Board().outline.mean(axis=0) + target.tvec
+    center = target.r @ Board().outline.mean(axis=0) + target.tvec
     shift = camera.project(center[None])[0] - camera.intrinsics[2:4]
     np.testing.assert_allclose(shift, [0.05 * SIZE[0], 0], atol=1)
 
@@ -49,11 +48,10 @@ def test_principal_point_target_is_shifted_by_five_percent(model: str) -> None:
 @pytest.mark.parametrize("model", models.NAMES)
 def test_distortion_vanishes_at_the_axis_of_every_model(model: str) -> None:
     """Against a pinhole of the camera's focal length: 0 at the axis, below 1 % of the radius around it."""
-    k = models.get(model).start(900.0, SIZE)
-    camera = Camera.from_intrinsics(model, k, SIZE)
+    camera = Camera.from_intrinsics(model, models.get(model).start(900.0, SIZE), SIZE)
     field = displacement(camera, SIZE[0] // 20, SIZE[1] // 20)
     x, y = np.meshgrid(np.arange(64) * 20 + 9.5, np.arange(36) * 20 + 9.5)
-    radius = np.hypot(x - k[2], y - k[3])
+    radius = np.hypot(x - camera.matrix[0, 2], y - camera.matrix[1, 2])
     near = radius < 100
     assert (field[near] < 0.01 * radius[near]).all()
 
