@@ -19,6 +19,7 @@ SIZE = CAMERA.img_size
 HIDDEN = pytest.mark.xfail(
     strict=True, reason="Eight wrong views hide one another. The capture ends 7 px off, and states 14 px."
 )
+EXPLAINED = "moving principal point"  # which a turn of the board explains, up to a point
 Hostile = Callable[["Session", View], View]
 
 
@@ -97,18 +98,16 @@ HOSTILE: dict[str, Hostile] = {
     "another board's ids": lambda _, v: View(
         np.random.default_rng(5).permutation(v.object_points), v.image_points
     ),
-    "moving principal point": shift_picture,
+    EXPLAINED: shift_picture,
 }
-
-
-EXPLAINED = "moving principal point"  # which a turn of the board explains, up to a point
 
 
 @pytest.mark.parametrize("seed", [3, *thorough(0, 1, 2)])
 def test_session_converges_after_views_that_are_no_boards(seed: int) -> None:
     session = Session(seed=seed)
     for kind, sent in HOSTILE.items():
-        for _ in range(2 if kind != EXPLAINED else 0):
+        if kind != EXPLAINED:
+            assert not session.submit(sent(session, session.honest()))
             assert not session.submit(sent(session, session.honest()))
     assert set(session.reasons) <= {"outlier", "mirrored", "degenerate"}
     view = session.honest()
@@ -157,15 +156,10 @@ def test_wrong_first_view_is_excluded_by_later_views(focal: float, squash: float
         assert 0 in session.estimate.excluded
         assert session.estimate.excluded[0].detail
         assert session.estimate.view_errors[0] is not None
-        undo_of_the_majority_restores_the_first(session)
-
-
-def undo_of_the_majority_restores_the_first(session: Session) -> None:
-    left = session.rules.reconcile(session.views[:1], {0: session.estimate.excluded[0]})
-    assert left.excluded == {}
-    assert left.calibration is not None
-    nothing = session.rules.reconcile([], {})
-    assert nothing.calibration is None
+        undone = session.rules.reconcile(session.views[:1], {0: session.estimate.excluded[0]})
+        assert undone.excluded == {}
+        assert undone.calibration is not None
+    assert session.rules.reconcile([], {}).calibration is None
 
 
 @pytest.mark.parametrize(
@@ -212,9 +206,7 @@ def test_undo_and_exclusion_refit_the_remaining_views() -> None:
     excluded = {1: Exclusion("outlier", "It is.")}
     estimate = session.rules.estimate(session.views, excluded)
     assert estimate.excluded == excluded
-    error = estimate.view_errors[1]
-    assert error is not None
-    assert error < 2
+    assert (estimate.view_errors[1] or np.inf) < 2
 
 
 @pytest.mark.parametrize("before", [9, *thorough(0)])

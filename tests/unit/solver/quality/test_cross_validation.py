@@ -50,12 +50,10 @@ def test_unprojectable_views_have_no_finite_score() -> None:
 
 def test_scoring_needs_views_with_points() -> None:
     camera = synthetic.rectilinear_cameras()[4]
-    with pytest.raises(CalibrationError) as caught:
-        reprojection_score(camera, [])
-    assert caught.value.code == "no_views"
-    with pytest.raises(CalibrationError) as caught:
-        reprojection_score(camera, [View(np.zeros((3, 3)), np.zeros((3, 2)))])
-    assert caught.value.code == "too_few_points"
+    for views, code in (([], "no_views"), ([View(np.zeros((3, 3)), np.zeros((3, 2)))], "too_few_points")):
+        with pytest.raises(CalibrationError) as caught:
+            reprojection_score(camera, views)
+        assert caught.value.code == code
 
 
 def test_every_view_is_left_out_once() -> None:

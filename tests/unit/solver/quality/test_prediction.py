@@ -9,7 +9,6 @@ from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_rati
 from tests.helpers.data import corner_views
 from tests.helpers.solver import populations, synthetic
 
-BOARD = Board()
 CAMERAS = synthetic.rectilinear_cameras()
 
 
@@ -30,26 +29,25 @@ def test_failed_prediction_gives_advice_and_continues(monkeypatch: pytest.Monkey
     monkeypatch.setattr(rules, "find_better_model", lambda *_: None)
     camera = CAMERAS[6]
     *views, view = populations.views(camera, np.random.default_rng(0), count=4)
-    capture = Capture(BOARD, camera.img_size, target_error=50.0)
+    capture = Capture(Board(), camera.img_size, target_error=50.0)
     # The lens as it is elsewhere: bent by some pixels more than the views so far told.
     off = view.image_points - np.array(camera.img_size) / 2
-    bent = View(
-        view.object_points, view.image_points + 0.012 * off * (np.linalg.norm(off, axis=1) / 500)[:, None]
-    )
-    honest, other = (capture.judge(views, None, v) for v in (view, bent))
-    assert honest.estimate is not None
-    assert honest.estimate.converged
-    assert honest.estimate.advice == ()
-    assert other.estimate is not None
-    assert not other.estimate.converged
-    assert other.estimate.progress <= 0.95
-    assert "prediction_disagrees" in [advice.code for advice in other.estimate.advice]
+    bent = view.image_points + 0.012 * off * np.linalg.norm(off, axis=1, keepdims=True) / 500
+    good = capture.judge(views, None, view).estimate
+    other = capture.judge(views, None, View(view.object_points, bent)).estimate
+    assert good is not None
+    assert good.converged
+    assert good.advice == ()
+    assert other is not None
+    assert not other.converged
+    assert other.progress <= 0.95
+    assert "prediction_disagrees" in [advice.code for advice in other.advice]
 
 
 def test_too_simple_model_gets_a_suggestion() -> None:
     """Photographs through a fisheye, taken as if by a plain lens."""
     views, size = corner_views("jy_left")
-    estimate = Capture(BOARD, size, target_error=1e-3).judge(views[:7], None, views[7]).estimate
+    estimate = Capture(Board(), size, target_error=1e-3).judge(views[:7], None, views[7]).estimate
     assert estimate is not None
     assert estimate.suggested_model in ("fisheye", "rational", "omnidirectional")
     assert "model_too_simple" in [advice.code for advice in estimate.advice]
