@@ -14,7 +14,7 @@ from ..view import View
 Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
 
 MIN_EXTENT_WIDTHS = 0.005
-"""Standard deviation of the points across their narrower direction / image width; below, they are a line."""
+"""Standard deviation of points across their narrower direction / image width; below, they are a line."""
 
 
 def rejection_reason(view: View, img_size: tuple[int, int]) -> Reason | None:
@@ -34,9 +34,9 @@ def rejection_reason(view: View, img_size: tuple[int, int]) -> Reason | None:
 
 
 FOCAL_WIDTHS = 0.15, 5.0
-"""Least and largest focal length / image width of a seed: beyond them poses say little in the image."""
+"""Least and largest focal length / image width of a seed."""
 MAX_CENTER_OFFSET = 0.25
-"""Distance of a seed's principal point from the centre of the image / its size, along each axis."""
+"""Distance of a seed's principal point from the centre / image size, along each axis."""
 MAX_SEED_ERROR_WIDTHS = 0.003
 """Rms error / image width of the first view with only its pose fitted, up to which the seed poses it."""
 

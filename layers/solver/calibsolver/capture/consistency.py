@@ -19,21 +19,20 @@ from ..fitting.robust_covariance import SAME_POSE_WIDTHS
 from ..view import View
 
 MAX_ERROR_RATIO = 3.0
-"""Error of a consistent view / error of the others, at most."""
+"""Error of a consistent view / error of the others."""
 MIN_ERROR_WIDTHS = 0.3 / 1280
 """px of error / image width below which no ratio counts: a webcam's corners are never better."""
 MIN_VIEW_INLIER_SHARE = 0.75
-"""Share of a view's points that must be inliers: gross outliers are few, not a large part of a view."""
+"""Share of inliers in a view: gross outliers are few."""
 MIN_IMPROVEMENT = 1.4
 """Error with a view / error without it, from which the difference is not one of chance."""
 SUSPECT_ERROR_RATIO = 1.8
 """Error of a view / error of the typical view, from which the view is tested again."""
 MAX_OUTVOTED_VIEWS = 3
-"""Accepted views that a larger group of later views may exclude: then it was the camera that changed."""
+"""Accepted views that a larger group of later views may exclude: then the camera changed."""
 CACHE_SIZE = 24
-"""Last fits that are cached."""
 MAX_TRIAL_POINTS = 64
-"""Points of a view in trials of consistency: two cameras differ by more than the rest would show."""
+"""Points of a view in trials of consistency."""
 
 
 class Consistency:
@@ -50,21 +49,18 @@ class Consistency:
         self._fits: OrderedDict[tuple[int, ...], tuple[tuple[View, ...], Calibration | None]] = OrderedDict()
         self._thinned: dict[int, tuple[View, View]] = {}
 
-    def fit(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views` and the shape of their board; None if no camera is believable, or nothing to fit.
-
-        Starts at `near`, or where the fit to one view less ended, or else the one to fewer points.
-        """
-        return self._fit(views, near, board_shape=True)
+    def fit(self, views: Sequence[View]) -> Calibration | None:
+        """Fit `views` and the shape of their board; None if no camera is believable, or nothing to fit."""
+        return self._fit(views, None, len(views) >= MIN_SHAPE_VIEWS)
 
     def fit_trial(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit as `fit` does, to MAX_TRIAL_POINTS points of each view, with the board as drawn."""
-        return self._fit([self._thin(view) for view in views], near, board_shape=False)
+        """Fit to MAX_TRIAL_POINTS points of each view, with the board as drawn."""
+        return self._fit([self._thin(view) for view in views], near, bends=False)
 
-    def _fit(self, views: Sequence[View], near: Calibration | None, board_shape: bool) -> Calibration | None:
+    def _fit(self, views: Sequence[View], near: Calibration | None, bends: bool) -> Calibration | None:
+        """Fit from `near`, or where the fit to one view less ended, or else the one to fewer points."""
         if not views:
             return None
-        bends = board_shape and len(views) >= MIN_SHAPE_VIEWS
         key = (int(bends), *(id(view) for view in views))
         if key not in self._fits:
             near = near or self._fits.get(key[:-1], ((), None))[1]
@@ -83,9 +79,9 @@ class Consistency:
             self._thinned[id(view)] = view, thin(view)
         return self._thinned[id(view)][1]
 
-    def is_consistent(self, others: Sequence[View], view: View, near: Calibration | None = None) -> bool:
+    def is_consistent(self, others: Sequence[View], view: View) -> bool:
         """True if one camera explains `view` together with the `others` about as well as without it."""
-        before = self.fit_trial(others, near)
+        before = self.fit_trial(others)
         after = self.fit_trial([*others, view], before)
         if after is None or (len(others) in after.cut_views):
             return False
@@ -101,7 +97,7 @@ class Consistency:
         rms = np.sqrt(added / max(int(inliers.sum()), 1))
         return bool(rms <= MAX_ERROR_RATIO * max(before.rms_inliers, self.min_error))
 
-    def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int = 0) -> list[View]:
+    def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int) -> list[View]:
         """Views that agree with `view` and each other: it first, then the newest first.
 
         Ends when no more than `more_than` of them can be found any more.
@@ -110,9 +106,8 @@ class Consistency:
         for left, other in zip(range(len(candidates), 0, -1), reversed(candidates), strict=True):
             if len(consistent) + left <= more_than:
                 break
-            if not any(self.is_same_pose(other, one) for one in consistent) and self.is_consistent(
-                consistent, other
-            ):
+            is_new = not any(self.is_same_pose(other, one) for one in consistent)
+            if is_new and self.is_consistent(consistent, other):
                 consistent.append(other)
         return consistent
 
@@ -180,7 +175,7 @@ def thin(view: View) -> View:
 
 
 def common_points(one: View, other: View) -> tuple[IntArray, IntArray]:
-    """Indices (m,) into each of two views of the points of the board that both have."""
+    """Indices (m,) of common points of the board in each of two views."""
     places = [np.round(view.object_points * 1e6) + 0.0 for view in (one, other)]  # -0.0 is 0.0
     index = {place.tobytes(): n for n, place in enumerate(places[0])}
     pairs = [(index[p.tobytes()], n) for n, p in enumerate(places[1]) if p.tobytes() in index]

@@ -90,16 +90,16 @@ class Estimate:
     progress
         0 to 1; 1 if converged. It may fall with a view that shows more noise than was seen before.
     end
-        ``target``: four views are in, the predicted rms is below the target, and the last view was as far off
-        as predicted; ``plateau``: the error has stopped falling although the views are held at their targets;
-        ``limit``: fifteen views are in; ``nothing_new``: only duplicates are shown; ``asked``: the user ended
-        it; None: the capture continues.
+        ``target``: the predicted rms is below the target, and the last view was as far off as predicted;
+        ``plateau``: the error has stopped falling although the views are held at their targets; ``limit``: as
+        many views as count are in; ``nothing_new``: only duplicates are shown; ``asked``: the user ended it;
+        None: the capture continues.
     excluded
         By index of the view.
     suggested_model
         Model that explains the views if this one is too simple.
     coverage
-        Part of the image that the board has shown, and the error there; None without a calibration.
+        Part of the image that the board has shown, and the error there.
     """
 
     calibration: Calibration | None
@@ -120,8 +120,8 @@ class Estimate:
     def with_cause(self, views: Sequence[View]) -> "Estimate":
         """Estimate with the probable cause of systematic residuals as first advice, if it is noticeable.
 
-        `views` are all, also the excluded ones. A model that is suggested already stays the cause, unless
-        another explains most of the residuals.
+        `views` are all. A model that is suggested already stays the cause, unless another explains most of
+        the residuals.
         """
         if self.calibration is None:
             return self
@@ -143,8 +143,6 @@ class ViewDecision:
 
     Attributes
     ----------
-    estimate
-        Counts an accepted view; None after a refusal.
     on_target
         True if an accepted view was held at its target; None if there was no target.
     quarantine

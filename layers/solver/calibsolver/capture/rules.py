@@ -17,7 +17,7 @@ from ..fitting.uncertainty import Uncertainty
 from ..guidance import GUIDES, MIN_NOISE_WIDTHS, IntrinsicsPosterior, PoseSelection
 from ..guidance.hints import Placement, largest_difference
 from ..guidance.target import TargetPose
-from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
+from ..quality.cross_validation import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
 from .admission import Reason, is_posed, is_usable, rejection_reason
 from .consistency import MAX_OUTVOTED_VIEWS, Consistency
@@ -35,14 +35,14 @@ from .decision import (
 from .ending import MAX_VIEWS, MIN_VIEWS, NO_HISTORY, EndReason, History
 
 MAX_POINTS = 20_000
-"""Points of all views with which a capture ends: the whole board would be one view too many."""
+"""Points of all views with which a capture ends."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
 """Noise of a corner's coordinate / image width; no detector has more in an image that shows markers."""
 MAX_ADVICE_S = MAX_CONFLICT_S = 1.0
 """Time to find another model, and views that conflict with others, if the time is limited."""
 MAX_RUNNING_PROGRESS = 0.95
 MIN_GAIN_SHARE = 0.2
-"""Share of the gain predicted for the target from which a view counts as held at the target."""
+"""Share of the target's gain from which a view counts as held at the target."""
 
 
 class Capture:
@@ -50,8 +50,6 @@ class Capture:
 
     Parameters
     ----------
-    guidance
-        One of `guidance.GUIDES`.
     target_error
         px, predicted rms projection error over the image at which the capture ends.
     seed
@@ -176,7 +174,7 @@ class Capture:
         """Choose the next target pose.
 
         Targets `skipped` since the last view make it an easier one that differs from them; targets
-        `unreached` before the last view limit how hard a pose is asked for.
+        `unreached` before limit how hard a pose is asked for.
         """
         active = [view for i, view in enumerate(views) if i not in estimate.excluded]
         return self.guide.next_pose(active, estimate.calibration, skipped, unreached)
@@ -204,7 +202,7 @@ class Capture:
         Parameters
         ----------
         target
-            The open target pose; None for a recorded view, which has none.
+            None for a recorded view.
         excluded
             Exclusions of accepted views, by index.
         quarantined
@@ -263,10 +261,10 @@ class Capture:
         history: History,
         every: int = MIN_VIEWS,
     ) -> Estimate:
-        """Compare the error of the last view with the predicted one: if they differ, the capture continues.
+        """Continue the capture if the error of the last view differs from the predicted one.
 
-        Then, and if views are newly excluded, and if the corners are far noisier than any detector's, the
-        model may be too simple: others are tried. Noise makes them be tried after `every` so many views.
+        Then, and if views are newly excluded, and if the corners are far noisier than any detector's
+        (after `every` so many views), the model may be too simple: others are tried.
         """
         calibration, last = estimate.calibration, len(views) - 1
         if before is None or calibration is None or isinstance(self.guide, PoseSelection):

@@ -9,7 +9,6 @@ GUIDES: dict[str, type[ProjectionUncertainty] | type[PoseSelection]] = {
     "projection-uncertainty": ProjectionUncertainty,
     "pose-selection": PoseSelection,
 }
-"""Guidance by the name with which a session is started."""
 
 __all__ = [
     "GUIDES",

@@ -23,11 +23,9 @@ class PoseLimits:
     Attributes
     ----------
     width
-        Smallest and largest apparent length of the board's longer side / the image's longer side.
+        Smallest and largest apparent length of the board's longer side / the image's.
     max_tilt_deg
         Angle between the board's normal and the line of sight to its centre.
-    max_roll_deg
-        Rotation in the image.
     min_visible
         Share of the corners that a detector is expected to find.
     max_incidence_deg
@@ -60,7 +58,7 @@ class CornerGrid:
     multiplicity
         Corners of the board that each of these stands for.
     support
-        (g, m, 2, n) what a camera must see to find each (`Board.support`), squares right and down of it.
+        (g, m, 2, n) what a camera must see to find each (`Board.support`), relative to it.
     """
 
     points: Array
@@ -102,14 +100,9 @@ def r_sequence(count: int, offset: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RayGrid:
-    """Rays on a grid over the image of one camera, to interpolate: a candidate's centre need not be exact.
+    """Unit rays (rows, columns, 3), or NaN, from corner to corner of an image, to interpolate.
 
-    Attributes
-    ----------
-    rays
-        (rows, columns, 3) unit rays from corner to corner of the image; NaN where there is none.
-    focal
-        Focal length along x, px per radian at the axis.
+    A candidate's centre need not be exact. `focal`: px per radian at the axis, along x.
     """
 
     rays: Array
@@ -164,9 +157,9 @@ def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseL
 
 
 def tilt_and_width_from_unit_cube(unit: Array, limits: PoseLimits) -> tuple[Array, Array]:
-    """Tilts (c,), degrees, and widths (c,), board / image, of points (c, 6) of the unit cube.
+    """Tilts (c,), degrees, and widths (c,), board / image.
 
-    Close and tilted poses carry most information, so they are sampled more densely.
+    Large ones, which carry most information, are denser.
     """
     low, high = limits.width
     return limits.max_tilt_deg * np.sqrt(unit[:, 3]), low + (high - low) * np.sqrt(unit[:, 2])
@@ -183,9 +176,9 @@ def check_visibility(
 ) -> tuple[Array, Mask]:
     """Probability (c, n) that corners are found, and poses (c,) that respect the limits; others have 0.
 
-    A detector finds a corner if the image contains it and what identifies it, such as a marker next to it
-    (`Board.support`). A hand misses the pose: a point on the border of the image is seen in half of the
-    cases, one at `limits.border` from it always, or never.
+    A detector finds a corner if the image contains it and what identifies it (`Board.support`). A hand
+    misses the pose: a point on the border of the image is seen in half of the cases, one at
+    `limits.border` from it always, or never.
 
     Parameters
     ----------

@@ -9,7 +9,6 @@ from ..view import View
 from .target import edge_points
 
 MASK_PX = 8
-"""Side of a mask's pixel, px of the image."""
 
 
 def jaccard_index(one: Array, other: Array, img_size: tuple[int, int]) -> float:

@@ -28,14 +28,14 @@ EASY_TILT_DEG, EASY_WIDTH = 25.0, 0.6
 
 @dataclass(frozen=True, eq=False)
 class PoseHistory:
-    """Views of a session, and targets not reached.
+    """Views of a session (v), and targets not reached (m).
 
     Attributes
     ----------
     tilt, width, noise
         (v,) degrees; apparent length of the board's longer side / the image's; noise / that of the best view.
     unreached
-        (m, 2) tilt and width of targets that were given up.
+        (m, 2) tilt and width.
     """
 
     tilt: Array

@@ -3,18 +3,18 @@
 Rojtberg & Kuijper, "Efficient Pose Selection for Interactive Camera Calibration" (ISMAR 2018) and "User
 Guidance for Interactive Camera Calibration" (2019): plain least squares after each view, the parameter
 with the largest index of dispersion next, tilted views for the intrinsics, views of the most distorted
-part of the image for the coefficients. It is a baseline for the default guidance; its state follows from
-the views.
+part of the image for the coefficients. It is a baseline for the default guidance.
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .. import models, rotation
+from .. import rotation
 from ..arrays import Array, Mask
-from ..board import Board
 from ..camera import Camera, pixel_grid
 from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
@@ -22,12 +22,10 @@ from ..fitting.fit import fit
 from ..view import View
 from .hints import Placement
 from .overlap import estimate_outline, jaccard_index
-from .target import TargetPose
+from .target import Guide, TargetPose
 
 CELL_PX = 20
-"""Spacing of the grid on which the distortion is evaluated."""
 MIN_REGION_SHARE = 0.3
-"""Width and height of a region / those of the image."""
 MIN_COVERED_SHARE = 0.9
 """Share of a region that earlier targets have covered, from which another region is sought."""
 
@@ -48,8 +46,8 @@ WHOLE_IMAGE = Box(0.0, 0.0, 1.0, 1.0)
 def find_next_region(camera: Camera, covered: Sequence[Box]) -> Box:
     """Most distorted part of the image that is not yet `covered`; else the whole image.
 
-    The threshold on the map of |distorted - undistorted| falls from 95 % of its largest value in steps of
-    5 % until a connected region appears that is covered by less than MIN_COVERED_SHARE.
+    The threshold on |distorted - undistorted| falls from 95 % of its largest value in steps of 5 % until a
+    connected region appears that is covered by less than MIN_COVERED_SHARE.
     """
     w, h = camera.img_size
     columns, rows = max(w // CELL_PX, 2), max(h // CELL_PX, 2)
@@ -88,8 +86,8 @@ def connected_regions(mask: Mask) -> Iterator[Mask]:
 def displacement(camera: Camera, columns: int, rows: int) -> Array:
     """Displacement of pixels by the distortion, px, on a grid (rows, columns).
 
-    It is relative to a pinhole camera of the same focal length, px per radian at the axis. Pixels without
-    a ray, or whose ray is nearly perpendicular to the axis, get the largest displacement of all others.
+    It is relative to a pinhole camera of the same focal length. Pixels without a ray, or whose ray is
+    nearly perpendicular to the axis, get the largest displacement of all others.
     """
     q = pixel_grid(camera.img_size, (columns, rows)).reshape(2, -1).T
     ray = camera.unproject(q)
@@ -117,34 +115,23 @@ def bounding_box(region: Mask) -> Box:
 DISTANCE_LENGTHS = 1.6
 """Distance of tilted boards / their length, whatever the lens."""
 TILT_RANGE_DEG = 70.0
-"""Tilt to either side, subdivided."""
 SHIFT_SHARE = 0.05
 """Share of the image by which the board is moved for the principal point."""
 MIN_OVERLAP = 0.85
-"""Jaccard index of target and observed board from which a target is reached."""
+"""Jaccard index from which a target is reached."""
 CONVERGED_DECREASE = 0.10
 """Relative decrease of a standard deviation below which the parameter has converged."""
 MIN_REACHED_CORNERS = 15
-"""Corners that a view must show to reach its target."""
 INITIAL_FOCAL_WIDTHS = 1000 / 1280
-"""Focal length / image width that is assumed before the first fit."""
 INTRINSICS = ("fx", "fy", "cx", "cy")
 
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Progress of the method after some views. Parameters are named by index.
+    """Progress of the method after some views.
 
-    Attributes
-    ----------
-    target_counts
-        (p,) targets that each parameter has had.
-    covered
-        Regions of the image that targets for the distortion have covered.
-    calibration
-        The last fit; None if it failed.
-    next_parameter
-        None if all have converged.
+    `target_counts`: of each parameter. `covered`: by targets for the distortion. `next_parameter`: None if
+    all have converged.
     """
 
     converged: frozenset[int]
@@ -154,21 +141,13 @@ class Progress:
     next_parameter: int | None
 
 
-class PoseSelection:
+class PoseSelection(Guide):
     """Guidance by the published method. `seed` is not used."""
 
-    def __init__(
-        self,
-        board: Board,
-        img_size: tuple[int, int],
-        model: str = "rectilinear",
-        seed: Camera | None = None,
-    ) -> None:
-        self.board = board
-        self.img_size = (int(img_size[0]), int(img_size[1]))
-        self.model = models.get(model)
-        self.seed = seed
-        self._steps: list[tuple[View, Progress]] = []
+    @cached_property
+    def _steps(self) -> list[tuple[View, Progress]]:
+        """Views that were replayed, and the progress after each."""
+        return []
 
     @undetermined()
     def next_pose(
@@ -219,10 +198,9 @@ class PoseSelection:
 
     def estimate(self, views: Sequence[View]) -> Calibration | None:
         """Plain least squares; None if that fails."""
-        try:
+        with suppress(CalibrationError):
             return fit(views, self.img_size, self.model.name, robust=False)
-        except CalibrationError:
-            return None
+        return None
 
     def progress(self, views: Sequence[View]) -> Progress:
         """Progress after `views`; steps that were replayed before are cached."""
@@ -239,8 +217,8 @@ class PoseSelection:
         size = self.model.size
         calibration = self.estimate(views) if len(views) >= 2 else None
         if last is None or last.calibration is None or calibration is None:
-            chosen = None if calibration is None else self._most_dispersed(calibration, frozenset())
-            return Progress(frozenset(), (0,) * size, (), calibration, 0 if chosen is None else chosen)
+            chosen = 0 if calibration is None else self._most_dispersed(calibration, frozenset())
+            return Progress(frozenset(), (0,) * size, (), calibration, chosen)
         converged, counts, covered = set(last.converged), list(last.target_counts), last.covered
         if last.next_parameter is not None:
             counts[last.next_parameter] += 1
@@ -270,7 +248,6 @@ class PoseSelection:
         return Camera.from_intrinsics(self.model.name, k, self.img_size)
 
     def _place_on_axis(self, r: Array) -> Array:
-        """Translation (3,) that puts the board's centre on the axis."""
         center = np.array([0.0, 0.0, DISTANCE_LENGTHS * max(self.board.size)])
         return np.asarray(center - r @ self.board.outline.mean(axis=0))
 

@@ -21,11 +21,17 @@ ERROR_GRID = (12, 9)
 NOMINAL_NOISE_WIDTHS = 0.3 / 1280
 """Standard deviation of a corner's coordinate / image width, before any measurement."""
 MIN_NOISE_WIDTHS = 0.05 / 1280
-"""The same of the best detector: residuals that are smaller by chance do not promise more."""
+"""The same of the best detector."""
 
 
 MAX_MEDIAN_ERROR_WIDTHS = 0.15
 """Median error / image width of a view with only its pose fitted; no lens explains more."""
+NEGLIGIBLE_INFLATION = 1.5
+"""Inflation that few views show by chance."""
+USUAL_EXCESS_INFLATION = 3.0
+"""Excess over it: the median of four to six views of 13 sets of real cameras."""
+MAX_SHARE = 3.0
+"""Largest size that is believed: beyond, a view is an outlier."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +67,7 @@ class IntrinsicsPosterior:
     ) -> "IntrinsicsPosterior":
         """Posterior after a calibration, or only the prior, around a `seed` camera if there is one.
 
-        A seed is where the search begins. Its uncertainty is not used: the information is the prior's.
+        The uncertainty of a seed is not used: the information is the prior's.
         """
         model = models.get(model_name)
         w = img_size[0]
@@ -95,18 +101,36 @@ class IntrinsicsPosterior:
 
     def view_information(self, obs: Observations, poses: Poses) -> Array:
         """Fisher information (v, p, p) of views at their poses, at unit noise; NaN of unseen ones."""
-        s, q = limited_information(
-            self.model,
-            self.k,
-            poses,
-            obs.points,
-            obs.mask.astype(np.float64),
-            self.noise,
-            self.img_size[1],
-            self.systematic,
-        )
+        s, q = self.limited_information(poses, obs.points, obs.mask.astype(np.float64))
         s[~np.isfinite(q).all(axis=(1, 2))] = np.nan
         return s
+
+    def limited_information(self, poses: Poses, points: Array, weights: Array) -> tuple[Array, Array]:
+        """Fisher information (v, p, p) of the intrinsics at unit noise, and pixels (v, 2, n).
+
+        A view has information N, and a systematic error of its own that would move the intrinsics by a
+        covariance T. Together they give (N^-1 + T)^-1, however low the noise of its corners. T differs from
+        view to view: a bend shows most in a tilted close-up, motion wherever the board spans many rows. So
+        the effects (`fitting.systematic_effects`) are variables of the view that are marginalised with its
+        pose, with standard deviations typical of hand-held boards.
+
+        Parameters
+        ----------
+        points
+            (v, 3, n) or, for all views, (3, n); board frame.
+        weights
+            (v, n) of the points.
+        """
+        q, rows = normal_equations.linearize(self.model, self.k, poses, points, 0)
+        count = 0
+        if self.systematic > 0:
+            row = systematic_effects.row_position(q[1], self.img_size[1])
+            effects = systematic_effects.displacements(rows[self.model.size :], poses, points, row)
+            count = len(effects)
+            rows = np.concatenate([rows, effects * (self.systematic / self.noise)])
+        rows = np.where(weights > 0, rows * np.sqrt(weights), 0.0)
+        s = normal_equations.schur_complement(normal_equations.gram_matrices(rows), nuisance=count)
+        return s, q.transpose(1, 0, 2)
 
     def gain(self, information: Array) -> float:
         """Decrease of the mean square error, px^2, by views of Fisher `information` (p, p) at unit noise."""
@@ -125,61 +149,10 @@ class IntrinsicsPosterior:
         return self.gain(s) if np.isfinite(s).all() else None
 
 
-NEGLIGIBLE_INFLATION = 1.5
-"""Inflation that few views show by chance."""
-USUAL_EXCESS_INFLATION = 3.0
-"""Excess over it in the hands of people: the median of four to six views of 13 sets of real cameras."""
-MAX_SHARE = 3.0
-"""Largest size that is believed / the usual one: beyond, a view is an outlier."""
-
-
-def limited_information(
-    model: Model,
-    k: Array,
-    poses: Poses,
-    points: Array,
-    weights: Array,
-    noise: float,
-    img_height: int,
-    systematic: float = 1.0,
-) -> tuple[Array, Array]:
-    """Fisher information (v, p, p) of the intrinsics at unit noise, and pixels (v, 2, n).
-
-    A view has information N about the intrinsics, and a systematic error of its own that would move them
-    by a covariance T. Together they give (N^-1 + T)^-1, however low the noise of its corners. T differs
-    from view to view: a bend shows most in a tilted close-up, motion wherever the board spans many rows.
-    So the effects (`fitting.systematic_effects`) are variables of the view that are marginalised with its
-    pose, each with the standard deviation that is typical of hand-held boards.
-
-    Parameters
-    ----------
-    points
-        (v, 3, n) or, for all views, (3, n); board frame.
-    weights
-        (v, n) of the points.
-    noise
-        Standard deviation of a corner's coordinate, px, without the systematic errors.
-    systematic
-        As `systematic_share` returns; 0: no systematic errors.
-    """
-    q, rows = normal_equations.linearize(model, k, poses, points, 0)
-    count = 0
-    if systematic > 0:
-        row = systematic_effects.row_position(q[1], img_height)
-        effects = systematic_effects.displacements(rows[model.size :], poses, points, row)
-        nuisance = effects * (systematic / noise)
-        count = len(nuisance)
-        rows = np.concatenate([rows, nuisance])
-    rows = np.where(weights > 0, rows * np.sqrt(weights), 0.0)
-    s = normal_equations.schur_complement(normal_equations.gram_matrices(rows), nuisance=count)
-    return s, q.transpose(1, 0, 2)
-
-
 def systematic_share(inflation: float) -> float:
     """Size of the systematic errors / the usual one, by the inflation that a calibration's views show.
 
-    The inflation is the variance of the intrinsics / that which white noise explains; its excess grows
-    with the square of the systematic errors.
+    The excess of the inflation grows with the square of the systematic errors.
     """
     excess = inflation - NEGLIGIBLE_INFLATION
     return float(np.sqrt(np.clip(excess / USUAL_EXCESS_INFLATION, 0.0, MAX_SHARE**2)))

@@ -1,21 +1,20 @@
 """Next-best view by projection uncertainty: the pose that reduces the projection error over the image most.
 
 A view adds its Fisher information S to that of the intrinsics; the mean square projection error over the
-image is trace(covariance W) (`uncertainty.image_error_metric`). Of some hundred poses that a person can
-hold, the one is chosen after which that error is least. The idea of choosing views by expected error is
-AprilCal's (Richardson, Strom, Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV 2019); the
-measure, the error over the image up to a rotation, is mrcal's.
+image is trace(covariance W) (`uncertainty.image_error_metric`). The idea of choosing views by expected
+error is AprilCal's (Richardson, Strom, Olson, IROS 2013) and Calibration Wizard's (Peng, Sturm, ICCV
+2019); the measure, the error over the image up to a rotation, is mrcal's.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
-from .. import models, rotation
+from .. import rotation
 from ..arrays import Array, symmetric_inverse
 from ..board import Board
-from ..camera import Camera
 from ..errors import undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import Poses
@@ -26,39 +25,30 @@ from .hints import Placement
 from .pose_history import PoseHistory
 from .posterior import IntrinsicsPosterior
 from .search import Search, fisher_information
-from .target import TargetPose
+from .target import Guide, TargetPose
 
 NO_LIMITS = PoseLimits(min_visible=0.0, max_incidence_deg=90.0, min_spacing=0.0)
 """For a pose that is chosen already."""
 MIN_CORNERS = 8
-"""Corners that a target shows, of a board that has so many: a hand misses a pose by some."""
+"""Corners that a target shows: a hand misses a pose by some."""
 WHOLE_BORDER = 0.05
-"""Border of an image in which all of the board must be found (`PoseLimits.border`)."""
+"""`PoseLimits.border` if all of the board must be found."""
 EASY_LIMITS = PoseLimits(width=(0.45, 0.75), max_tilt_deg=30.0, max_roll_deg=15.0, min_visible=1.0)
-"""For a user who could not reach the last target: little tilt, all of the board visible."""
+"""For a user who could not reach the last target."""
 TIE_RATIO = 1.02
 """Score / best score of poses that count as equally good: the nearest to the last pose is chosen."""
 MAX_PAIRED_VIEWS = 2
 """Views before which the next one and the one after it are chosen together."""
 MAX_DISTANCE_LENGTHS = 3.0
-"""Distance of the board / its length, unless the lens is so long that it would not fit otherwise."""
+"""Distance of the board / its length, unless the lens is too long for it."""
 
 
-class ProjectionUncertainty:
+class ProjectionUncertainty(Guide):
     """The default guidance. `seed`: the intrinsics before the first view, as others have measured them."""
 
-    def __init__(
-        self,
-        board: Board,
-        img_size: tuple[int, int],
-        model: str = "rectilinear",
-        seed: Camera | None = None,
-    ) -> None:
-        self.board = board
-        self.img_size = (int(img_size[0]), int(img_size[1]))
-        self.model = models.get(model)
-        self.seed = seed
-        self._corners = CornerGrid.of(board, None)
+    @cached_property
+    def _corners(self) -> CornerGrid:
+        return CornerGrid.of(self.board, None)
 
     @undetermined()
     def next_pose(
@@ -73,7 +63,7 @@ class ProjectionUncertainty:
         Parameters
         ----------
         views
-            The views so far; only their number matters: it varies the choice between equally good poses.
+            Only their number matters: it varies the choice between equally good poses.
         calibration
             The estimate from them, or None if there is none yet.
         skipped
@@ -146,10 +136,7 @@ class ProjectionUncertainty:
     def first_pose(
         self, posterior: IntrinsicsPosterior, current: IntrinsicsPosterior | None = None
     ) -> TargetPose:
-        """First target, an easy one: all of the board, central, two thirds of the image, tilted.
-
-        Its gain is that over the `current` posterior, by default the one that places it.
-        """
+        """First target, an easy one; its gain is that over `current`, by default over the posterior."""
         length = 0.72 * self._whole_width()
         limits = PoseLimits(width=(length, length), max_tilt_deg=44.0, max_roll_deg=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
@@ -190,9 +177,8 @@ PLAN_LIMITS = PoseLimits(width=(0.35, 1.1), max_tilt_deg=50.0, max_roll_deg=45.0
 def fixed_plan(board: Board, img_size: tuple[int, int], model: str = "rectilinear") -> tuple[TargetPose, ...]:
     """Poses chosen beforehand for the prior's camera; always the same for the same arguments.
 
-    The plan serves a client that has lost its server, and is the baseline for the guidance that adapts. A
-    user who follows the outline drawn with the prior's camera comes close enough whatever the true focal
-    length is.
+    They serve a client that has lost its server, and are the baseline for the guidance that adapts. A user
+    who follows the outline comes close enough whatever the true focal length is.
     """
     chooser = ProjectionUncertainty(board, img_size, model)
     posterior = IntrinsicsPosterior.of(model, img_size, None)

@@ -10,30 +10,22 @@ from ..fitting.normal_equations import Poses
 from . import candidates
 from .candidates import CornerGrid, PoseLimits
 from .pose_history import PoseHistory
-from .posterior import IntrinsicsPosterior, limited_information
+from .posterior import IntrinsicsPosterior
 from .target import TargetPose
 
 SEARCH_COLUMNS = 8
-"""Columns of corners with which candidates are evaluated, at most: those of the default board."""
+"""Most columns of corners with which candidates are evaluated: those of the default board."""
 CANDIDATE_COUNT = 128
 ELITE_COUNT, SAMPLES_PER_ELITE = 4, 16
-"""Candidates that are refined in a round, and samples around each of them."""
+"""Candidates that are refined in a round, and samples around each."""
 SEARCH_RADII = (0.3, 0.2, 0.14, 0.09, 0.05)
 REFINEMENT_RADII = (0.2, 0.12, 0.06)
-"""Radii around the elite, in units of a candidate's range: in a new search, and among earlier candidates."""
+"""Radii around the elite, / a candidate's range: in a new search, and among earlier candidates."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Evaluated candidates.
-
-    Attributes
-    ----------
-    unit
-        (c, 6) points of the unit cube.
-    information
-        (c, p, p) their Fisher information, whitened by that of the posterior.
-    """
+    """Evaluated candidates (c, 6) and their Fisher information (c, p, p), whitened."""
 
     unit: Array
     information: Array
@@ -53,10 +45,8 @@ class Search:
     """Cross-entropy method: wide sampling, then ever closer samples around the best candidates (the elite).
 
     Information is whitened by the posterior's, so that nothing is badly scaled: with A the posterior's
-    information, T'AT = 1 and S a candidate's, trace((A + S)^-1 W) = trace((1 + T'ST)^-1 T'WT).
-
-    Candidates must not resemble `skipped` targets. `history`: noise to expect by pose, None if no view has
-    shown any.
+    information, T'AT = 1 and S a candidate's, trace((A + S)^-1 W) = trace((1 + T'ST)^-1 T'WT). Candidates
+    must not resemble `skipped` targets.
     """
 
     def __init__(
@@ -76,10 +66,6 @@ class Search:
         self._whiten = whitening(posterior.information).T
         self._metric = self._whiten @ posterior.error_metric @ self._whiten.T
         self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
-
-    def sample(self, index: int) -> Candidates:
-        """CANDIDATE_COUNT poses from all of the unit cube; `index` varies which."""
-        return self.evaluate(candidates.r_sequence(CANDIDATE_COUNT, index + 7 * len(self.skipped)))
 
     def evaluate(self, unit: Array) -> Candidates:
         """Candidates (c, 6) within the limits."""
@@ -129,10 +115,10 @@ class Search:
         """Best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
 
         The best single pose need not be one of the best two: the second is chosen to complement the first,
-        and then the first again to complement the second. The one with the lower error without the other
-        comes first.
+        then the first again to complement the second. The one that is better on its own comes first.
         """
-        evaluated, last, score = self.refine(self.sample(index), SEARCH_RADII)
+        sample = candidates.r_sequence(CANDIDATE_COUNT, index + 7 * len(self.skipped))
+        evaluated, last, score = self.refine(self.evaluate(sample), SEARCH_RADII)
         if not last.unit.size:
             return None
         if ahead < 2:
@@ -165,16 +151,8 @@ def fisher_information(
     use = np.flatnonzero(feasible)
     s = np.zeros((len(feasible), posterior.model.size, posterior.model.size))
     if use.size:
-        s[use], _ = limited_information(
-            posterior.model,
-            posterior.k,
-            Poses(poses.r[use], poses.t[use]),
-            corners.points,
-            found[use] * corners.multiplicity,
-            posterior.noise,
-            posterior.img_size[1],
-            posterior.systematic,
-        )
+        possible = Poses(poses.r[use], poses.t[use])
+        s[use], _ = posterior.limited_information(possible, corners.points, found[use] * corners.multiplicity)
     return s, feasible
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import rotation
+from .. import models, rotation
 from ..arrays import Array, frozen
 from ..board import Board
 from ..camera import Camera
@@ -33,14 +33,14 @@ class TargetPose:
     corners
         (k, 2) px, where those appear.
     outline
-        (m, 2) px, the board's edge, distortion included, clockwise on the board; parts outside the model's
-        one-to-one domain are left out, parts outside the image are not.
+        (m, 2) px, the board's edge, clockwise on the board, also outside the image, but not outside the
+        model's one-to-one domain.
     purpose
-        Purpose of the view, one English phrase.
+        One English phrase.
     hint, hint_code
         The largest difference from the last placement.
     gain
-        px^2, by how much the mean square projection error over the image is predicted to fall.
+        px^2, predicted decrease of the mean square projection error over the image.
     """
 
     rvec: Array
@@ -124,6 +124,22 @@ class TargetPose:
             hint_code=values["hint_code"] if values.get("hint_code") in TEXTS else "first",
             gain=float(values["gain"]),
         )
+
+
+class Guide:
+    """Chooser of target poses. `seed`: camera that others have measured."""
+
+    def __init__(
+        self,
+        board: Board,
+        img_size: tuple[int, int],
+        model: str = "rectilinear",
+        seed: Camera | None = None,
+    ) -> None:
+        self.board = board
+        self.img_size = (int(img_size[0]), int(img_size[1]))
+        self.model = models.get(model)
+        self.seed = seed
 
 
 def edge_points(board: Board) -> Array:

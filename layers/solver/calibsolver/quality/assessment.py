@@ -48,27 +48,23 @@ REFERENCE_WIDTH_PX = 1280.0
 COVERAGE_RADIUS_DIAGONALS = 0.12
 """Distance / diagonal of the image within which a corner covers its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
-"""Difference below which none matters."""
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
-"""Predicted rms projection error over the image, up to which a calibration is good, and fair."""
+"""Largest predicted rms projection error over the image of a good calibration, and of a fair one."""
 MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
-"""The same inside the part of the image that the board has shown, up to which a calibration is fair; smallest
-share of the image that this part must be."""
+"""The same of a fair one inside the part of the image that the board has shown, and smallest share of this
+part."""
 MIN_FITTED_VIEWS = 4
 MIN_TILT_DEG = 15.0
 """Angle between sight line and board normal, below which focal length and distance trade places."""
 MIN_RIM_COVERAGE = 0.6
 """Share of the rim of the image, or of one side of it, that has seen corners."""
 MAX_HELD_OUT_RATIO, MAX_FAIR_HELD_OUT_RATIO = 1.4, 2.5
-"""Error on views left out / error on those fitted, up to which a calibration is good, and fair."""
+"""Largest error on views left out / error on those fitted of a good calibration, and of a fair one."""
 MAX_FIXED_PATTERN_SHARE = 0.3
 """Share of the residuals' length that is the same in all views."""
 WIDE_MODELS = ("fisheye", "rational", "omnidirectional")
-"""Models for lenses that another cannot follow."""
 MAX_NOISE_PX = 0.5
-"""Noise of one coordinate."""
 MAX_OUTLIER_SHARE = 0.05
-"""Share of the points left out."""
 
 
 @dataclass(frozen=True)
@@ -96,14 +92,7 @@ def assess(
 ) -> Assessment:
     """Judge a calibration by two numbers: its error over the image, and where the board has been.
 
-    Parameters
-    ----------
-    held_out
-        px, rms of a cross-validation (`cross_validation.held_out`), if there is one.
-    coverage
-        Part of the image that the board has shown; measured if None.
-
-    What makes the two numbers doubtful makes a good calibration fair.
+    What makes them doubtful makes a good calibration fair. `held_out`: px, rms of a cross-validation.
     """
     coverage = coverage or Coverage.of(calibration, views)
     width = calibration.camera.img_size[0]
@@ -117,17 +106,19 @@ def assess(
         return Assessment("fair" if doubts else "good", tuple(reason for _, reason in doubts))
     # Views that were cut took no part: what they show says nothing of the fit.
     taken = {i: view for i, view in enumerate(views) if i not in calibration.cut_views}
-    edge = _uncovered_edge(calibration, list(taken.values()))
+    edge = list(_uncovered_edge(calibration, list(taken.values())))
     is_extrapolated = coverage.rms < whole / 2
-    reasons: list[Reason | None] = [reason for _, reason in doubts]
-    reasons += [_tilt(calibration, taken), edge if is_extrapolated else None]
+    reasons = [*(reason for _, reason in doubts), *_tilt(calibration, taken)]
+    if is_extrapolated:
+        reasons += edge
     if calibration.noise > MAX_NOISE_PX * scale:
         text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board not flat"
         reasons.append(Reason("noisy", text))
+    if not is_extrapolated:
+        reasons += edge
     text = f"projections are expected to be {format_px_error(whole, width)}"
     text += f", {format_px_error(coverage.rms, width)} where the board has been: more views would help"
-    reasons += [None if is_extrapolated else edge, Reason("uncertain", text)]
-    return Assessment(level, tuple(filter(None, reasons)))
+    return Assessment(level, (*reasons, Reason("uncertain", text)))
 
 
 def level_of(whole: float, inside: float, covered: float) -> Level:
@@ -169,44 +160,36 @@ def _doubts(
         yield "poor" if 2 * left_out > len(views) else "fair", Reason("views_left_out", text)
 
 
-def _tilt(calibration: Calibration, taken: Mapping[int, View]) -> Reason | None:
-    """Reason if the board was never tilted; views `taken` by their indices."""
+def _tilt(calibration: Calibration, taken: Mapping[int, View]) -> Iterator[Reason]:
     # Angle between the board's normal and the line of sight to its middle.
     poses = Poses.of_vectors(calibration.poses[list(taken)])
     middle = np.stack([view.object_points.mean(axis=0) for view in taken.values()])[:, :, None]
     sight = poses.camera_points(middle)[:, :, 0]
     cosine = np.abs(np.einsum("vi,vi->v", poses.r[:, :, 2], sight)) / np.linalg.norm(sight, axis=1)
     tilt = float(np.degrees(np.arccos(np.clip(cosine, 0, 1)).max()))
-    if tilt >= MIN_TILT_DEG:
-        return None
-    text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
-    return Reason("no_tilt", text)
+    if tilt < MIN_TILT_DEG:
+        text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
+        yield Reason("no_tilt", text)
 
 
-def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason | None:
-    """Reason if a side of the image has not seen the board: the one with the largest error, or all."""
-    sides = rim_covered(views, calibration.camera.img_size)
-    missing = [side for side, share in sides.items() if share < MIN_RIM_COVERAGE]
-    if not missing:
-        return None
-    if len(missing) == len(sides):
-        text = f"the board came near {np.mean(list(sides.values())):.0%} of the rim of the image"
-        return Reason("edges_not_covered", text)
-    std = calibration.projection_std(RIM_GRID)
-    side = max(missing, key=lambda each: float(np.nansum(std[EDGES[each][1:]])))
-    return Reason(EDGES[side][0], f"the {side} edge of the image has not seen the board yet")
-
-
-def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, float]:
-    """Share of the outermost cells of each side of the image that have a corner near."""
-    cells = np.moveaxis(pixel_grid(img_size, RIM_GRID), 0, -1)
+def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Iterator[Reason]:
+    """Yield the side of the image with the largest error that has not seen the board, or all sides."""
+    size = calibration.camera.img_size
+    cells = np.moveaxis(pixel_grid(size, RIM_GRID), 0, -1)
     points = np.concatenate([view.image_points for view in views])
-    radius = COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)
+    radius = COVERAGE_RADIUS_DIAGONALS * np.hypot(*size)
     shares = {}
     for side, (_, row, column) in EDGES.items():
         distance = np.linalg.norm(cells[row, column][:, None] - points[None], axis=2).min(axis=1)
         shares[side] = float(np.mean(distance < radius))
-    return shares
+    missing = [side for side, share in shares.items() if share < MIN_RIM_COVERAGE]
+    if len(missing) == len(EDGES):
+        text = f"the board came near {np.mean(list(shares.values())):.0%} of the rim of the image"
+        yield Reason("edges_not_covered", text)
+    elif missing:
+        std = calibration.projection_std(RIM_GRID)
+        side = max(missing, key=lambda each: float(np.nansum(std[EDGES[each][1:]])))
+        yield Reason(EDGES[side][0], f"the {side} edge of the image has not seen the board yet")
 
 
 def has_fixed_pattern(calibration: Calibration, views: Sequence[View], factor: float = 1.0) -> bool:
@@ -222,8 +205,8 @@ def has_fixed_pattern(calibration: Calibration, views: Sequence[View], factor: f
 def fixed_pattern_residual(calibration: Calibration, views: Sequence[View]) -> tuple[float, float]:
     """Part of the residuals that depends only on the place in the image: share of their rms, and px rms.
 
-    The mean over a cell of independent residuals has their variance / n; what is more than that the model
-    leaves unexplained. A board that is bent shows in each view elsewhere, and counts little.
+    The mean over a cell of n independent residuals has their variance / n; more than that the model leaves
+    unexplained. A bent board shows in each view elsewhere, and counts little.
     """
     (w, h), (columns, rows) = calibration.camera.img_size, PATTERN_GRID
     used = np.concatenate(calibration.used)

@@ -13,7 +13,7 @@ from ..view import View
 from .cross_validation import HeldOut, held_out
 
 SIMPLEST_FIRST = ("rectilinear", "fisheye", "omnidirectional", "rational")
-"""From what every tool understands to what has most coefficients; others follow."""
+"""From what every tool understands to what has most coefficients."""
 MAX_EQUAL_RATIO = 1.03
 """Held-out error / the least up to which two models count as equal."""
 T_NORMAL, T_PER_FREEDOM = 1.645, 2.1
@@ -23,15 +23,7 @@ freedom on."""
 
 @dataclass(frozen=True)
 class Choice:
-    """Model and why.
-
-    Attributes
-    ----------
-    held_out
-        px, cross-validated rms by model; None if the model cannot be fitted to these views.
-    reasons
-        What spoke for the model and against the others, in sentences.
-    """
+    """Model, and sentences why; `held_out`: px, cross-validated rms by model, None if it cannot be fitted."""
 
     model: str
     held_out: Mapping[str, float | None]
@@ -42,11 +34,10 @@ class Choice:
 def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     """Choose the model for the lens that took `views`.
 
-    The criterion is the error on views left out of the fit, every model on the same points: those that no
-    model explains are taken out first. The simplest model wins whose error is within `MAX_EQUAL_RATIO` of
-    the least, or is not significantly worse by a paired t test on the logarithms of the views' errors,
-    one-sided at 5 % (Student, "The probable error of a mean", 1908). Raises CalibrationError (`fit`'s
-    reason) if no model fits.
+    The criterion is the error on views left out of the fit, without points that no model explains. The
+    simplest model wins whose error is within `MAX_EQUAL_RATIO` of the least, or is not significantly worse
+    by a paired t test on the logarithms of the views' errors, one-sided at 5 % (Student, "The probable
+    error of a mean", 1908). Raises CalibrationError (`fit`'s reason) if no model fits.
     """
     fits: dict[str, Calibration] = {}
     refused: dict[str, CalibrationError] = {}
@@ -76,12 +67,9 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     return Choice(chosen, errors, tuple(describe_reasons(chosen, best, scores, refused, img_size)))
 
 
-def simplicity_rank(name: str) -> tuple[int, int]:
+def simplicity_rank(name: str) -> int:
     """Rank of a model from simple to complex."""
-    return (
-        SIMPLEST_FIRST.index(name) if name in SIMPLEST_FIRST else len(SIMPLEST_FIRST),
-        models.get(name).size,
-    )
+    return SIMPLEST_FIRST.index(name)
 
 
 def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:

@@ -16,10 +16,9 @@ from .model_selection import MAX_EQUAL_RATIO
 
 
 def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
-    """Calibration with the cameras of other models that explain its views as well.
+    """Calibration with the cameras of other models that explain its `views` as well, in the board's shape.
 
-    `views` are those of the fit. Its uncertainty outside the hull of the corners then includes how far the
-    others differ. They are fitted to the board in the shape that the calibration found.
+    Its uncertainty outside the hull of the corners then includes how far the others differ.
     """
     shaped, size = calibration.shaped(views), calibration.camera.img_size
     rivals = []

@@ -1,10 +1,9 @@
 """Probable causes of systematic residuals: a bent board, motion, a changed focus, a model that is too simple.
 
-Each cause moves the corners of a view in a way of its own: regressors of the residuals, computed from the
-*predicted* corners (measured ones have the noise, and would explain all of it). The share that a cause
-explains is the adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view
-projected out: 0 if it explains no more than chance. Another model explains the noise that its fit does
-away with.
+Each cause moves the corners of a view in a way of its own: regressors computed from the *predicted*
+corners (measured ones have the noise, and would explain all of it). The share that a cause explains is the
+adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view projected out. Another
+model explains the noise that its fit does away with.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,9 +28,9 @@ from .model_selection import simplicity_rank
 Code = Literal["board_bent", "motion", "focus_changed", "model_too_simple"]
 
 MIN_CAUSE_VIEWS = 3
-"""Views from which a cause is looked for: fewer fit the intrinsics to it."""
+"""Fewer views fit the intrinsics to a cause."""
 MIN_EXPLAINED_SHARE = 0.15
-"""Share of the residuals' variance that a cause explains, from which it is named."""
+"""Share of the residuals' variance from which a cause is named."""
 MIN_SHARE_RATIO = 0.75
 """Share that a cause explains / the largest one, from which it is named rather than one with more numbers."""
 MAX_SHARE_BESIDE_MODEL = 0.5
@@ -44,7 +43,6 @@ PATTERN_IN_SHAPE = 0.5
 """Fixed pattern from which other models are tried / that if the board has no shape, which takes up some of
 it."""
 MAX_MODELS_S = 1.0
-"""Time for fits of other models, if the time is limited."""
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
 ADVICE: Mapping[Code, str] = {
     "focus_changed": "The focus changed between views: switch autofocus off.",
@@ -61,13 +59,11 @@ class Cause:
     Attributes
     ----------
     share
-        Share of the residuals' variance that it explains, 0 to 1.
+        Share of the residuals' variance that it explains.
     text
         Remedy.
     px
         Root mean square of the residuals that it explains, px at REFERENCE_WIDTH_PX.
-    inflation
-        Variance of the calibration's intrinsics / that under white noise.
     model
         The model that follows the lens, if this one is too simple.
     """
@@ -99,9 +95,8 @@ class Cause:
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
     """Probable cause of what is systematic in the residuals; None if nothing explains them.
 
-    `views` are those of the fit. Motion has six numbers a view, a bend three, the focus one: motion
-    explains much of what the others do, not the reverse. So a cause with fewer numbers is named unless
-    another explains clearly more.
+    Motion has six numbers a view, a bend three, the focus one: motion explains much of what the others do,
+    not the reverse. So a cause with fewer numbers is named unless another explains clearly more.
     """
     taken = [i for i, used in enumerate(calibration.used) if used.any()]
     if len(taken) < MIN_CAUSE_VIEWS:
@@ -211,7 +206,7 @@ def _share_in_each(views: Sequence[tuple[Array, Array]]) -> float:
 
 
 def _share_in_all(views: Sequence[tuple[Array, Array]]) -> float:
-    """Adjusted R^2 of least squares with the same coefficients in all views, as `_share_in_each`."""
+    """Adjusted R^2 with the same coefficients in all views."""
     r, z = (np.concatenate(part) for part in zip(*views, strict=True))
     left = r - z @ np.linalg.lstsq(z, r, rcond=1e-6)[0]
     freedom = len(r) - POSE_SIZE * len(views)

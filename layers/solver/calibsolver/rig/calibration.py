@@ -14,17 +14,10 @@ from .start import RigidMotion
 
 @dataclass(frozen=True)
 class RigUncertainty:
-    """Predicted error of the camera that is known worst, and of points.
+    """Predicted error of a rig.
 
-    Attributes
-    ----------
-    rotation_deg
-        Expected turn against camera 0.
-    translation_percent
-        Expected shift / distance from camera 0.
-    rms
-        px, rms distance between points of one camera, at working distance, and where the rig projects them in
-        another.
+    Turn against camera 0 and shift / distance from it of the camera that is known worst; px, rms distance
+    between points of one camera, at working distance, and where the rig projects them in another.
     """
 
     rotation_deg: float
@@ -43,7 +36,7 @@ class RigCalibration:
     board_poses
         (m, 6) rvec|tvec, board (turned back if it was `turned`) -> camera 0; NaN without a usable view.
     rms
-        px, root of the mean square distance over all points of the views that are not set aside.
+        px, over all points of the views that are not set aside.
     view_errors
         px, rms of each view under the rig, by (moment, position); also of views set aside.
     covariance
@@ -56,12 +49,11 @@ class RigCalibration:
     working_distances
         (c,) as `transfer.working_distances`.
     set_aside
-        (moment, position) -> why the view took no part: ``outlier``, ``mirrored``, ``degenerate``,
-        ``contradicts`` the rig.
+        (moment, position) -> ``outlier``, ``mirrored``, ``degenerate``, or ``contradicts`` the rig.
     turned
         (moment, position) of the views whose corners were numbered from another side of the board.
     board_shape
-        Bend and stretch of the board, which the errors and board poses refer to; None: as drawn.
+        Bend and stretch of the board, to which errors and board poses refer; None: as drawn.
     """
 
     cameras: tuple[Camera, ...]

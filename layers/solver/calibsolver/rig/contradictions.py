@@ -1,8 +1,8 @@
 """Views that contradict a rig although no residual of a joint fit stands out.
 
-A board that moved between the images of two cameras makes a moment whose views are each right and wrong
-together. If few moments were captured, the fit bends to it. But then the rig has far more noise than its
-single cameras, and without that view it has not. So views are left out one at a time.
+A board that moved between the images of two cameras makes a moment whose views are right, but not
+together. A fit to few moments bends to it. But then the rig has far more noise than its single cameras,
+and without that view it has not. So views are left out one at a time.
 """
 
 import numpy as np
@@ -23,14 +23,13 @@ MAX_START_MEDIANS = 3.0
 MIN_START_ERROR_WIDTHS = 1e-3
 """Error under the start / image width below which a view agrees."""
 MAX_CANDIDATES = 12
-"""Views that are left out in turn, those with the largest errors first."""
 
 
 def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
     """Points (m, n) of `mask` whose views agree with the start; all of `mask` if others would unlink cameras.
 
-    A compromise of moments that contradict each other may be far from all of them. So the fit begins with
-    the views near the start, on which most of the moments agree, and the others are tested against it.
+    A compromise of moments that contradict each other may be far from all of them, so a fit begins with
+    these.
     """
     errors = np.full((len(mask), len(problem.members)), np.nan)
     for i, member in enumerate(problem.members):
@@ -58,9 +57,9 @@ def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float
 
 
 def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -> tuple[State, Mask] | None:
-    """State near the optimum without the view that explains most of the noise, and the points (m, n) left.
+    """Leave out the view that explains most of the noise of points `among` (m, n); None if no view does.
 
-    None if no view of the points `among` (m, n) does.
+    Returns the state near the optimum, and the points left.
     """
     noise = float(np.sqrt(np.mean(state.square[among])))
     candidates: list[tuple[float, State, Mask]] = []

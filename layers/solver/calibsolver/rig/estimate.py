@@ -22,10 +22,9 @@ from .problem import MAX_ONLINE_POINTS, Moment, thin, unlinked_cameras
 from .start import RigidMotion
 
 UNCERTAINTY_GRID = (20, 15)
-"""Pixels (columns, rows) at which the error of one camera is predicted."""
 MAX_HELD_OUT_S = 1.0
 MAX_HELD_OUT_POINTS = 4_000
-"""Time for the cross-validation of a rig that ends, and points to which it is thinned for that."""
+"""Limits of the cross-validation of a rig that ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +76,8 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
     Returns
     -------
     dict
-        `fit`, None if there is none, and `problem` why; `unlinked`: positions that share no moment with
-        camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
+        `fit` or None, and `problem` why; `unlinked`: positions that share no moment with camera 0; `target`
+        and `target_pose`, board -> camera 0. Lengths are in board units.
     """
     rig = _Rig.from_record(record)
     lost = {rig.positions[n] for n in unlinked_cameras(len(rig.positions), rig.moments)}

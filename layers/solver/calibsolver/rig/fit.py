@@ -33,11 +33,11 @@ MAX_REJECTIONS = 6
 MAX_UNSETTLED_ROUNDS = 3
 """Rounds without convergence after which the moments are taken to contradict each other."""
 ROUND = Options(iterations=40, tolerance=1e-8)
-"""One round: moments that agree need ten to twenty steps, and the next round continues there."""
+"""Moments that agree need ten to twenty steps, and the next round continues there."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
-"""Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
+"""Rms over all but gross outliers / rms of the inliers, up to which all of them count."""
 MIN_MOMENTS_PER_LATE_VIEW = 4
 """Moments for each view that is set aside although no residual of its own stands out."""
 MAX_NOISE_RATIO = 4.0
@@ -68,9 +68,9 @@ def fit(
     starts
         Cameras that may be near, by position.
     max_points
-        Points to which views are thinned (`thinning`); errors are those of the points left.
+        Points to which views are thinned.
     board_shape
-        Estimate bend and stretch of the one board that all cameras see, as `calibsolver.fit` does.
+        As for `calibsolver.fit`, of the one board that all cameras see.
 
     Raises
     ------
@@ -153,7 +153,7 @@ class _RigFit:
         return left
 
     def _views(self) -> Iterator[tuple[tuple[int, int], int, slice]]:
-        """Views by (moment, position) of the linked moments, their rows and columns."""
+        """Views (moment, position) of the linked moments, their rows and columns."""
         for row, m in enumerate(self.linked):
             for i in self.given[m]:
                 yield (m, i), row, self.problem.members[i].slots
@@ -229,8 +229,8 @@ class _RigFit:
         """Inlier mask (m, n) of the points of `mask`; the noise is that of those `among` them.
 
         A view most of whose points lie beyond so many `sigmas` is left out whole. Single points of other
-        views are left out only from MIN_OUTLIER_WIDTHS on: what a detector finds has tails, and they
-        hardly move a rig.
+        views are left out only from MIN_OUTLIER_WIDTHS on: detectors' errors have tails, and they hardly
+        move a rig.
         """
         near = outliers.near_points(state, mask, among, sigmas, self.problem.width)
         if near is mask:
@@ -342,7 +342,6 @@ class _RigFit:
                 raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
 
     def _refused_alone(self) -> dict[tuple[int, int], str]:
-        """Reasons why single cameras refuse views, by (moment, position)."""
         return {(m, i): why for i, each in enumerate(self.alone) for m, why in each.reasons.items()}
 
     def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:

@@ -1,10 +1,9 @@
 """Guidance of a rig: the moment after which its predicted error is least.
 
-As in `guidance.search`, poses that a person can hold are sampled wide, then ever closer around the best.
-They are drawn in front of each camera in turn, and scored by all cameras that would see enough of the
-board. So poses that several cameras see usually win. A close-up for one camera wins if its lens is known
-least. Errors of hands and boards are assumed to be as large as in the moments so far: information is
-divided by the rig's inflation.
+The search is as in `guidance.search`. Poses are drawn in front of each camera in turn, and scored by all
+cameras that would see enough of the board: a pose that several cameras see usually wins, or a close-up for
+one camera whose lens is known least. Information is divided by the rig's inflation, as if the errors of
+hands and boards were as large as in the moments so far.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,16 +35,14 @@ LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min
 OTHER_LIMITS = replace(LIMITS, min_visible=0.3, max_incidence_deg=72.0)
 """Limits for the others: beyond, their views are not counted on."""
 SAMPLES = 96
-"""Poses per camera that leads."""
 MAX_LEADERS = 4
-"""Cameras that lead for one target, at most: the others have their turn with the next."""
+"""Cameras that lead for one target: the others have their turn with the next."""
 ELITE_COUNT, NEAR_SAMPLES = 4, 12
 RIG_SEARCH_RADII = (0.25, 0.15, 0.08)
-"""Poses that are refined in a round, samples around each, and the radii of the rounds."""
 LINKING = ((0.5, 0.35), (0.8, 0.3), (0.2, 0.3), (0.5, 0.2), (0.85, 0.2), (0.15, 0.2))
-"""Targets that are to link cameras, in turn: place / image width, length of the board / image."""
+"""Targets that are to link cameras: place / image width, length of the board / image."""
 EQUAL_ERROR_RATIO = 1.03
-"""Error after a pose / least error within which poses count as equally good: the most cameras decide."""
+"""Error / least error within which poses count as equally good: the most cameras decide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +55,6 @@ class RigTarget:
         (6,) rvec|tvec, board -> camera 0; None if the rig is not known yet.
     views
         The target by position, as each camera that would see the board would see it.
-    purpose
-        One English phrase.
     unlinked
         Positions of the cameras that no chain of moments links to camera 0.
     """
@@ -79,14 +74,12 @@ def next_moment(
     skipped: Sequence[Array] = (),
     missed: int = 0,
 ) -> RigTarget:
-    """Choose the next moment.
+    """Choose the next moment. `calibration`: the fit to the `moments`, None if cameras share none yet.
 
     Parameters
     ----------
     cameras
         As for `fit`.
-    calibration
-        The fit to the `moments`; None if cameras share no moment yet.
     skipped
         (6,) poses, board -> camera 0, that the user could not reach: others are chosen.
     missed
@@ -118,7 +111,7 @@ def _link(
 ) -> RigTarget:
     """Target wholly visible to one camera; another should see the board at the same time.
 
-    The place of that camera is unknown, so each attempt is elsewhere: farther away, and to the sides.
+    The place of that camera is unknown, so each attempt is elsewhere.
     """
     lead = lost[0] if lost and any(lost[0] in moment for moment in moments) else 0
     given = cameras[lead]

@@ -16,15 +16,13 @@ from .problem import Moment, RigProblem
 from .start import Specification, fit_alone, resected
 
 FOLDS = 5
-"""Moment m is left out in part m mod FOLDS."""
 
 
 @undetermined()
 def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> float | None:
-    """px, root of the mean square distance over all points of the moments left out.
+    """px, rms over all points of the moments left out, whose board poses are fitted.
 
-    Cameras and relative poses come from the other moments, board poses are fitted. Views that the fit set
-    aside stay out. None if no part can be left out without unlinking cameras.
+    Views that the fit set aside stay out. None if no part can be left out without unlinking cameras.
     """
     used = [
         {i: view for i, view in moment.items() if (m, i) not in calibration.set_aside}

@@ -1,9 +1,8 @@
 """Least squares of a rig: one board pose for each moment, seen by cameras that do not move to each other.
 
-The unknowns that all moments share are the intrinsics of the cameras that are free, one after the other,
-and then the poses rvec|tvec of cameras 1, 2, ... The points of one moment in all cameras are one row of
-padded arrays, in which each camera has its own columns, its slots. So the solver of one camera also fits
-rigs.
+The unknowns that all moments share are the intrinsics of the free cameras, one after the other, then the
+poses rvec|tvec of cameras 1, 2, ... The points of one moment in all cameras are one row of padded arrays,
+in which each camera has its own columns, its slots. So the solver of one camera also fits rigs.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -43,16 +42,10 @@ def unlinked_cameras(count: int, moments: Sequence[Iterable[int]]) -> tuple[int,
 
 @dataclass(frozen=True, eq=False)
 class RigMember:
-    """One camera of a rig as the solver sees it.
+    """Camera of a rig as the solver sees it.
 
-    Attributes
-    ----------
-    held
-        (p,) intrinsics that are known; None: they are fitted.
-    slots
-        Columns of the padded arrays that contain its points.
-    weight
-        Noise of the rig / noise of this camera: what its residuals are multiplied by.
+    `held`: intrinsics (p,), None if they are fitted. `slots`: columns of its points. `weight`: noise of
+    the rig / noise of this camera, by which its residuals are multiplied.
     """
 
     model: Model
@@ -253,7 +246,7 @@ def left_jacobian(rvec: Array) -> Array:
 def cross(p: Array, b: Array) -> Array:
     """Products p x b (3, 2, ...) of points (3, ...) and derivatives by a point (3, 2, ...).
 
-    b . (w x p) = w . (p x b) is what a small turn w of the point does.
+    A small turn w of the point changes it by w x p, and b . (w x p) = w . (p x b).
     """
     x, y, z = p
     bx, by, bz = b
@@ -276,8 +269,7 @@ GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
 def thin(moments: Sequence[Moment], max_points: int) -> list[Moment]:
     """Moments of about `max_points`: views have equally many at most, but MIN_KEPT_POINTS at least.
 
-    The solver's arrays have a column for each corner of the fullest view of each camera, in every moment:
-    one dense view among many costs as much as if all of them were dense.
+    The solver's arrays have a column for each corner of the fullest view of each camera, in every moment.
     """
     count = len(moments) * len({position for moment in moments for position in moment})
     share = max(max_points // max(count, 1), MIN_KEPT_POINTS)
@@ -287,8 +279,7 @@ def thin(moments: Sequence[Moment], max_points: int) -> list[Moment]:
 def thin_view(view: View, count: int) -> View:
     """View with `count` of its points, from all over it; itself if it has no more.
 
-    The points are places of a golden-ratio sequence: these are even whatever the number of corners in a
-    row, where equal steps may meet the same column in every row.
+    They are even by a golden-ratio sequence, where equal steps may meet the same column in every row.
     """
     if len(view) <= count:
         return view

@@ -1,6 +1,6 @@
 """Rectification of two cameras: both turned so that epipolar lines are rows, or columns.
 
-Bouguet's algorithm as OpenCV has it (Hartley & Zisserman, "Multiple View Geometry", 11.12): each camera is
+Bouguet's algorithm as in OpenCV (Hartley & Zisserman, "Multiple View Geometry", 11.12): each camera is
 turned by half of the rotation between them, then both so that the baseline lies along an axis of the
 image.
 """
@@ -45,9 +45,9 @@ class Rectification:
 def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
     """Rectify two cameras, `motion` camera `one` -> camera `other`.
 
-    The common focal length is the smaller of the two, and the common principal point puts the middle of
-    both rectified images into the middle. Raises CalibrationError ``not_representable`` if the cameras are
-    in one place, or turned so far that no plane is in front of both.
+    Focal length: the smaller of the two. The principal point puts the middle of both rectified images into
+    the middle. Raises CalibrationError ``not_representable`` if the cameras are in one place, or no plane
+    is in front of both.
     """
     length = float(np.linalg.norm(motion.t))
     if not length > 0:

@@ -1,10 +1,9 @@
 """Start of a rig's fit: relative poses of the cameras by robust averaging over moments.
 
-Each moment that two cameras share gives their relative pose. One view may show the board turned: a plain
-chessboard looks the same after half a turn, a square one after a quarter, and a detector numbers its
-corners from whichever corner comes first. So each moment's relative pose is a hypothesis. The one that
-explains the other moments best, their views turned if that explains them better, is averaged with those
-that agree (hypothesize and verify, as RANSAC does; the chordal mean of rotations: Hartley et al.,
+One view may show the board turned: a plain chessboard looks the same after half a turn, a square one after
+a quarter, and a detector numbers its corners from whichever corner comes first. So each moment's relative
+pose is a hypothesis. The one that explains the other moments best, their views turned if that explains
+them better, is averaged with those that agree (as RANSAC; the chordal mean of rotations: Hartley et al.,
 "Rotation averaging", 2013). A maximum spanning tree of shared moments leads from camera 0 to all the
 others.
 """
@@ -30,15 +29,14 @@ from ..view import View
 from .problem import Moment
 
 MAX_HYPOTHESES = 40
-"""Relative poses of a pair of cameras that are tried."""
 MAX_POINTS_AT_ONCE = 2**15
-"""Points that are projected in one batch of hypotheses: more do not fit a cache."""
+"""Points of one batch of hypotheses: more do not fit a cache."""
 MAX_START_ERROR_WIDTHS = 0.04
-"""Distance of points / image width from which it does not matter how far away they are."""
+"""Distance / image width from which it does not matter how far away points are."""
 MIN_TURN_GAIN = 3.0
 """Error of a view as it came / error of it turned, from which it is taken as turned."""
 SQUARE_RATIO = 1e-3
-"""Relative difference of a board's sides below which a quarter turn leaves it the same."""
+"""Relative difference of a board's sides below which it counts as square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,8 +212,8 @@ def locate_boards(
 ) -> list[LocatedMoment]:
     """Find where the board is in each moment, and which views number it from another side.
 
-    The view with which most of the others agree says where the board is. The fewest turns are believed. Of
-    two views either of which may be turned, the one that shows the board upright is as it should be.
+    The view with which most of the others agree decides, then the fewest turns. Of two views either of
+    which may be turned, the one that shows the board upright is as it should be.
     """
     hypotheses: list[list[tuple[tuple[float, ...], RigidMotion, dict[int, int]]]] = [[] for _ in moments]
     for reference in range(len(cameras)):
@@ -253,7 +251,7 @@ def locate_boards(
 
 
 Specification = Camera | tuple[tuple[int, int], str]
-"""A camera whose intrinsics are held, or the image size (width, height) in px and the model to be fitted."""
+"""Camera whose intrinsics are held, or image size (width, height) in px and model to be fitted."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,8 @@
 """Transfer of points between the cameras of a rig, its derivatives, and the predicted error.
 
-A pixel of camera i becomes the point at working distance along its ray, and a pixel of camera j. A turn of
-a camera's frame that its relative pose makes good changes nothing, so this error is free of what
-intrinsics and poses exchange between them.
+A pixel of camera i becomes the point at working distance along its ray, and a pixel of camera j. This
+error is free of what intrinsics and poses exchange between them: a turn of a camera's frame that its pose
+makes good.
 """
 
 import numpy as np
@@ -19,14 +19,11 @@ from .problem import RigProblem, cross, left_jacobian
 GRID = (12, 9)
 """Pixels (columns, rows) of each camera whose transfer counts."""
 MIN_SHARED = 3
-"""Pixels that two cameras share at least for their transfer to count."""
+"""Pixels that two cameras share at least."""
 
 
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
-    """Median distance (c,), board units, of each camera from points that it and another camera saw.
-
-    Close-ups for a single camera say nothing about where both look.
-    """
+    """Median distance (c,), board units, of each camera from points that it and another camera saw."""
     views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
     shared = views.sum(axis=1) > 1
     out = np.full(len(problem.members), np.nan)
@@ -40,8 +37,8 @@ def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
 def jacobian(problem: RigProblem, k: Array, distances: Array) -> Array:
     """Derivatives (n, 2, p) of transferred pixels by the shared unknowns, of all ordered pairs of cameras.
 
-    The pixels are those on a grid that land in the other image. If no two cameras share any, the direction
-    to the point from the other camera counts instead, times that camera's focal length.
+    The pixels are those on a grid that land in the other image. If no two cameras share any: directions to
+    the points from the other camera, times that camera's focal length.
     """
     count = len(problem.members)
     pairs = [(i, j) for i in range(count) for j in range(count) if i != j]

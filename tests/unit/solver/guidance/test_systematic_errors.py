@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Board, models, rotation
 from calibsolver.fitting.normal_equations import Poses, linearize, reduced_information
 from calibsolver.fitting.systematic_effects import displacements, row_position
-from calibsolver.guidance.posterior import limited_information, systematic_share
+from calibsolver.guidance.posterior import IntrinsicsPosterior, systematic_share
 from tests.helpers.solver import synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[4]
@@ -17,8 +17,8 @@ POINTS = np.ascontiguousarray(BOARD.points.T)
 
 
 def limited(noise: float, systematic: float) -> np.ndarray:
-    weights = np.ones((2, POINTS.shape[1]))
-    return limited_information(MODEL, K, POSES, POINTS, weights, noise, 720, systematic)[0] / noise**2
+    posterior = IntrinsicsPosterior(MODEL, K, np.eye(len(K)), noise, (1280, 720), systematic)
+    return posterior.limited_information(POSES, POINTS, np.ones((2, POINTS.shape[1])))[0] / noise**2
 
 
 def test_without_systematic_errors_it_is_fisher_information() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import Board, View, fit
 from calibsolver.capture import Capture, rules
-from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
+from calibsolver.quality.cross_validation import MAX_PREDICTION_RATIO, prediction_ratio
 from tests.helpers.data import corner_views
 from tests.helpers.solver import populations, synthetic
 
