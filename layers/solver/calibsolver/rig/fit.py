@@ -336,8 +336,9 @@ class _RigFit:
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
         """Raise CalibrationError if many points lie where a camera's model is not one-to-one."""
-        for i, p in enumerate(self.problem.points_before_cameras(state)):
-            inside = cameras[i].valid(p)[good[:, self.problem.members[i].slots]]
+        points = self.problem.points_before_cameras(state.k, state.poses, self.problem.obs)
+        for i, p in enumerate(points):
+            inside = cameras[i].valid(p.transpose(0, 2, 1))[good[:, self.problem.members[i].slots]]
             if inside.size and np.mean(~inside) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
                 raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
 

@@ -16,7 +16,7 @@ from .. import models, rotation
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..fitting import prior
-from ..fitting.levenberg_marquardt import LeastSquares, State
+from ..fitting.levenberg_marquardt import LeastSquares
 from ..fitting.normal_equations import POSE_SIZE, Poses
 from ..fitting.observations import Observations
 from ..fitting.systematic_effects import row_position
@@ -155,12 +155,11 @@ class RigProblem(LeastSquares):
         member = self.members[position]
         return Camera.from_intrinsics(member.model.name, self.intrinsics(k, position), member.img_size)
 
-    def points_before_cameras(self, state: State) -> Iterator[Array]:
-        """Points (m, n, 3) of each camera's slots, in its frame."""
-        in_rig, vectors = state.poses.camera_points(self.obs.points), self.camera_poses(state.k)
-        for vector, member in zip(vectors, self.members, strict=True):
-            points = in_rig[:, :, member.slots].transpose(0, 2, 1)
-            yield points @ rotation.matrix(vector[:3]).T + vector[3:]
+    def points_before_cameras(self, k: Array, poses: Poses, obs: Observations) -> Iterator[Array]:
+        """Points (m, 3, n) of each camera's slots, in its frame."""
+        in_rig = poses.camera_points(obs.points)
+        for vector, member in zip(self.camera_poses(k), self.members, strict=True):
+            yield rotation.matrix(vector[:3]) @ in_rig[:, :, member.slots] + vector[3:, None]
 
     def is_feasible(self, k: Array) -> bool:
         """True if every camera has an image with the shared unknowns k (p,)."""
@@ -205,11 +204,9 @@ class RigProblem(LeastSquares):
 
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Weighted residuals (2, m, n), px, at shared unknowns (p,) and board poses."""
-        in_rig, vectors = poses.camera_points(obs.points), self.camera_poses(k)
         out = np.empty((2, *obs.mask.shape))
-        for i, member in enumerate(self.members):
-            part = member.slots
-            p = rotation.matrix(vectors[i, :3]) @ in_rig[:, :, part] + vectors[i, 3:, None]
+        for i, p in enumerate(self.points_before_cameras(k, poses, obs)):
+            member, part = self.members[i], self.members[i].slots
             q = member.model.project(self.intrinsics(k, i), p.transpose(1, 0, 2))
             out[:, :, part] = (q - obs.pixels[:, :, part].transpose(1, 0, 2)) * member.weight
         return np.where(obs.mask, out, 0.0)

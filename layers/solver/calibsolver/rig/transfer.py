@@ -27,8 +27,8 @@ def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
     views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
     shared = views.sum(axis=1) > 1
     out = np.full(len(problem.members), np.nan)
-    for i, (p, member) in enumerate(zip(problem.points_before_cameras(state), problem.members, strict=True)):
-        distances = np.linalg.norm(p, axis=2)[good[:, member.slots] & shared[:, None]]
+    for i, p in enumerate(problem.points_before_cameras(state.k, state.poses, problem.obs)):
+        distances = np.linalg.norm(p, axis=1)[good[:, problem.members[i].slots] & shared[:, None]]
         if distances.size:
             out[i] = np.median(distances)
     return np.where(np.isfinite(out), out, np.nanmedian(out))
