@@ -80,11 +80,6 @@ class Placement:
             float(np.arctan2(upright[1, 0], upright[0, 0])),
         )
 
-    @property
-    def tilt(self) -> float:
-        """Degrees between the board's normal and the line of sight."""
-        return float(np.degrees(np.arccos(np.clip(self.normal[2], -1, 1))))
-
 
 def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
     """Hint at the largest difference between the `last` placement and the `target`; image `width` in px."""

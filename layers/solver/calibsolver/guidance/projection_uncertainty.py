@@ -22,9 +22,8 @@ from ..view import View
 from . import candidates
 from .candidates import CornerGrid, PoseLimits
 from .hints import Placement
-from .pose_history import PoseHistory
 from .posterior import IntrinsicsPosterior
-from .search import Search, fisher_information
+from .search import PoseHistory, Search, fisher_information
 from .target import Guide, TargetPose
 
 NO_LIMITS = PoseLimits(min_visible=0.0, max_incidence_deg=90.0, min_spacing=0.0)

@@ -14,8 +14,6 @@ from .candidates import distance_to_border
 from .hints import TEXTS, Hint, Placement, largest_difference
 
 ARRAYS = ("rvec", "tvec", "corners", "outline")
-PIXELS = ("ids", "corners", "outline")
-"""Members of a target that say how a camera sees it, not where it is."""
 EDGE_SAMPLES = 12
 """Points along one edge of an outline: enough to draw a curved edge to a fraction of a pixel."""
 
@@ -103,7 +101,8 @@ class TargetPose:
 
     def to_record(self) -> dict[str, Any]:
         """Plain values without the pixels, which follow from the pose and the camera."""
-        return {name: value for name, value in self.to_dict().items() if name not in PIXELS}
+        pixels = ("ids", "corners", "outline")
+        return {name: value for name, value in self.to_dict().items() if name not in pixels}
 
     def redrawn(self, board: Board, camera: Camera) -> "TargetPose":
         """Target with its pixels as `camera` sees them."""

@@ -32,11 +32,9 @@ Code = Literal[
     "outliers",
     "views_left_out",
 ]
-Side = Literal["left", "right", "top", "bottom"]
-
 RIM_GRID = (12, 9)
 PATTERN_GRID = (8, 6)
-EDGES: Mapping[Side, tuple[Code, slice | int, slice | int]] = {
+EDGES: Mapping[str, tuple[Code, slice | int, slice | int]] = {
     "left": ("left_edge_not_covered", slice(None), 0),
     "right": ("right_edge_not_covered", slice(None), -1),
     "top": ("top_edge_not_covered", 0, slice(None)),

@@ -1,6 +1,10 @@
 """Joint fit of a rig: intrinsics, relative poses and board poses, by the solver of one camera.
 
 The residuals of cameras with more noise weigh less in proportion.
+
+A board that moved between the images of two cameras makes a moment whose views are right, but not together,
+and a fit to few moments bends to it. But then the rig has far more noise than its single cameras, and without
+that view it has not. So views are left out one at a time.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,19 +18,28 @@ from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance, systematic_effects
 from ..fitting.fit import MIN_SHAPE_VIEWS
-from ..fitting.levenberg_marquardt import Options, State
+from ..fitting.levenberg_marquardt import NOISE_FLOOR, Options, State
 from ..fitting.mixed_fit import MixedFit
 from ..fitting.mixed_model import SHAPE_SIZE
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
+from ..fitting.robust_homography import medians
 from ..fitting.validation import MIN_POINTS
 from ..rotation import vector
 from . import transfer
 from .calibration import RigCalibration
-from .contradictions import find_unlinked, is_contradictory, near_start, without_contradicting_view
-from .problem import Moment, RigProblem, thin
+from .problem import Moment, RigProblem, thin, unlinked_cameras
 from .start import LocatedMoment, RigidMotion, Single, Specification, fit_alone, resected, stack, start
 
+MAX_JOINT_NOISE_RATIO = 1.5
+"""Noise of the rig / noise of its single cameras, from which a contradicting view is searched."""
+MIN_NOISE_DROP = 0.6
+"""Noise of the rig without a view / with it, below which the view is set aside."""
+MAX_START_MEDIANS = 3.0
+"""Error of a moment under the start / that of the typical moment, up to which its views agree at first."""
+MIN_START_ERROR_WIDTHS = 1e-3
+"""Error under the start / image width below which a view agrees."""
+MAX_CANDIDATES = 12
 MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
@@ -168,14 +181,14 @@ class _RigFit:
         state, good = self._begin(state)
         among = self.mask
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
-            if not is_contradictory(problem, state, good, self.noise):
+            if not self._is_contradictory(state, good):
                 break
-            outcome = without_contradicting_view(problem, state, among)
+            outcome = self._without_contradicting_view(state, among)
             if outcome is None:
                 break
             among = outcome[1]
             state, good = self._least_squares(*outcome, among)
-        lost = find_unlinked(problem, good)
+        lost = self._find_unlinked(good)
         if lost:
             raise CalibrationError(
                 "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
@@ -198,18 +211,83 @@ class _RigFit:
 
     def _begin(self, state: State) -> tuple[State, Mask]:
         """Fit with all views, and if some contradict, with those near the start first."""
-        problem, near = self.problem, near_start(self.problem, state, self.mask)
+        problem, near = self.problem, self._near_start(state)
         begun: list[tuple[bool, int, State, Mask]] = []
         for first in (self.mask,) if near is self.mask else (self.mask, near):
             moved = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
             fitted, good = self._least_squares(moved, self.mask, first)
-            believed = fitted.converged and not is_contradictory(problem, fitted, good, self.noise)
-            is_linked = not find_unlinked(problem, good)
+            believed = fitted.converged and not self._is_contradictory(fitted, good)
+            is_linked = not self._find_unlinked(good)
             begun.append((believed and is_linked, int(good.sum()), fitted, good))
             if believed and np.array_equal(good, self.mask):
                 break
         _, _, state, good = max(begun, key=lambda each: each[:2])
         return state, good
+
+    def _near_start(self, state: State) -> Mask:
+        """Points (m, n) whose views agree with the start; all if without the others cameras are unlinked.
+
+        A compromise of moments that contradict each other may be far from all of them.
+        """
+        mask, visible = self.mask, self.problem.seen_by(self.mask)
+        errors = np.full(visible.shape, np.nan)
+        for i, member in enumerate(self.problem.members):
+            square = medians(state.square[:, member.slots], mask[:, member.slots])
+            errors[visible[:, i], i] = np.sqrt(square[visible[:, i]]) / (member.weight * member.img_size[0])
+        shared = np.isfinite(errors).sum(axis=1) > 1
+        if not shared.any():
+            return mask
+        typical = float(np.median(np.nanmax(errors[shared], axis=1)))
+        far = errors > max(MAX_START_MEDIANS * typical, MIN_START_ERROR_WIDTHS)
+        if not far.any():
+            return mask
+        left = mask.copy()
+        for i, member in enumerate(self.problem.members):
+            left[far[:, i], member.slots] = False
+        return mask if self._find_unlinked(left) else left
+
+    def _is_contradictory(self, state: State, good: Mask) -> bool:
+        """True if points `good` (m, n) are noisier in the rig than in its single cameras."""
+        joint = float(np.sqrt(np.mean(state.square[good]) / 2))
+        return joint > MAX_JOINT_NOISE_RATIO * max(self.noise, NOISE_FLOOR * self.problem.width)
+
+    def _without_contradicting_view(self, state: State, among: Mask) -> tuple[State, Mask] | None:
+        """Leave out the view that explains most of the noise of points `among` (m, n); None if no view does.
+
+        Returns the state near the optimum, and the points left.
+        """
+        noise = float(np.sqrt(np.mean(state.square[among])))
+        candidates: list[tuple[float, State, Mask]] = []
+        for row, slots in self._candidates(state, among):
+            left = among.copy()
+            left[row, slots] = False
+            if self._find_unlinked(left):
+                continue
+            moved = self.problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
+            if moved.is_finite:
+                candidates.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
+        if not candidates:
+            return None
+        least, moved, left = min(candidates, key=lambda each: each[0])
+        return (moved, left) if least < MIN_NOISE_DROP * noise else None
+
+    def _find_unlinked(self, good: Mask) -> tuple[int, ...]:
+        """Positions that no chain of moments links to camera 0, of points `good` (m, n)."""
+        moments = [np.flatnonzero(seen).tolist() for seen in self.problem.seen_by(good)]
+        return unlinked_cameras(len(self.alone), moments)
+
+    def _candidates(self, state: State, among: Mask) -> list[tuple[int, slice]]:
+        errors = []
+        for row in range(len(among)):
+            views = [member.slots for member in self.problem.members if among[row, member.slots].any()]
+            if len(views) > 1:
+                # of two views either may be the late one: which of them is left out is all the same
+                errors += [
+                    (float(np.mean(state.square[row, slots][among[row, slots]])), row, slots)
+                    for slots in views[len(views) == 2 :]
+                ]
+        errors.sort(key=lambda each: -each[0])
+        return [(row, slots) for _, row, slots in errors[:MAX_CANDIDATES]]
 
     def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
         """State and the points that took part: those `among` (m, n) but for outliers.
@@ -247,7 +325,7 @@ class _RigFit:
         """Fit to points of `mask` (m, n) and reject outliers in turn, starting with `inliers`."""
         good, unsettled = inliers, 0
         for _ in range(MAX_REJECTIONS):
-            if find_unlinked(self.problem, good):
+            if self._find_unlinked(good):
                 return state, good  # refused later
             state = self.problem.solve(state, outliers.unit_weights(good), ROUND)
             previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)

@@ -161,6 +161,10 @@ class RigProblem(LeastSquares):
         for vector, member in zip(self.camera_poses(k), self.members, strict=True):
             yield rotation.matrix(vector[:3]) @ in_rig[:, :, member.slots] + vector[3:, None]
 
+    def seen_by(self, mask: Mask) -> Mask:
+        """True (m, c) if a camera has points of `mask` (m, n) in a moment."""
+        return np.stack([mask[:, member.slots].any(axis=1) for member in self.members], axis=1)
+
     def is_feasible(self, k: Array) -> bool:
         """True if every camera has an image with the shared unknowns k (p,)."""
         every = [(member.model, self.intrinsics(k, i)) for i, member in enumerate(self.members)]

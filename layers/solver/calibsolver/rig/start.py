@@ -308,10 +308,6 @@ def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View], robus
     if not finite.any():
         raise CalibrationError("no_fit", "no view can be explained with the intrinsics given")
     spread = square[finite] / np.maximum(2 * count[finite] - 6, 1)
-    return Single(
-        camera,
-        True,
-        {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(finite).tolist()},
-        {m: "outlier" for i, m in enumerate(numbers) if i not in usable or not finite[usable.index(i)]},
-        float(np.sqrt(np.median(spread))),
-    )
+    found = {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(finite).tolist()}
+    refused = {m: "outlier" for m in numbers if m not in found}
+    return Single(camera, True, found, refused, float(np.sqrt(np.median(spread))))

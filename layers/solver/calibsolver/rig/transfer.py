@@ -24,8 +24,7 @@ MIN_SHARED = 3
 
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
     """Median distance (c,), board units, of each camera from points that it and another camera saw."""
-    views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
-    shared = views.sum(axis=1) > 1
+    shared = problem.seen_by(good).sum(axis=1) > 1
     out = np.full(len(problem.members), np.nan)
     for i, p in enumerate(problem.points_before_cameras(state.k, state.poses, problem.obs)):
         distances = np.linalg.norm(p, axis=1)[good[:, problem.members[i].slots] & shared[:, None]]
@@ -52,7 +51,7 @@ def jacobian(problem: RigProblem, k: Array, distances: Array) -> Array:
 def metric(jacobian: Array, rows: Array, used: Mask) -> Array:
     """Metric W (p, p): trace(covariance W) is the mean square error of transfer, px^2."""
     flat = jacobian.reshape(-1, jacobian.shape[2])
-    if not flat.size or not np.isfinite(flat).all():
+    if not flat.size:
         return normal_equations.reduced_information(rows[:-1] * used)
     return np.asarray(flat.T @ flat / len(jacobian))
 
