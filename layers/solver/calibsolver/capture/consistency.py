@@ -21,7 +21,7 @@ from ..view import View
 MAX_ERROR_RATIO = 3.0
 """Error of a consistent view / error of the others."""
 MIN_ERROR_WIDTHS = 0.3 / 1280
-"""px of error / image width below which no ratio counts: a webcam's corners are never better."""
+"""Error / image width below which no ratio counts: a webcam's corners are never better."""
 MIN_VIEW_INLIER_SHARE = 0.75
 """Share of inliers in a view: gross outliers are few."""
 MIN_IMPROVEMENT = 1.4
@@ -36,10 +36,7 @@ MAX_TRIAL_POINTS = 64
 
 
 class Consistency:
-    """Tests of views against each other; caches its last fits, so nothing is fitted twice in a request.
-
-    `start`: a camera that may be near, where fits start first.
-    """
+    """Tests of views against each other; caches its last fits. `start`: a camera that may be near."""
 
     def __init__(self, img_size: tuple[int, int], model: str, start: Camera | None = None) -> None:
         self.img_size = img_size
@@ -98,10 +95,7 @@ class Consistency:
         return bool(rms <= MAX_ERROR_RATIO * max(before.rms_inliers, self.min_error))
 
     def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int) -> list[View]:
-        """Views that agree with `view` and each other: it first, then the newest first.
-
-        Ends when no more than `more_than` of them can be found any more.
-        """
+        """Views that agree with `view` and each other; stops if they cannot be `more_than` that many."""
         consistent = [view]
         for left, other in zip(range(len(candidates), 0, -1), reversed(candidates), strict=True):
             if len(consistent) + left <= more_than:
@@ -112,7 +106,7 @@ class Consistency:
         return consistent
 
     def find_conflicting_view(self, views: Sequence[View], view: View) -> int | None:
-        """Index of the one of `views` that conflicts with `view`, and with the rest; None if there is none.
+        """Index of the one of `views` that conflicts with `view`, and with the rest, or None.
 
         Without it the rest and `view` agree, and clearly better than all of `views` agree with it.
         """

@@ -1,6 +1,7 @@
 """Values of a capture: the estimate after some views, exclusions of views, the decision about a view."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -21,14 +22,7 @@ from .ending import EndReason, History
 class Advice:
     """Advice to the user about a whole capture."""
 
-    code: Literal[
-        "prediction_disagrees",
-        "limit_reached",
-        "model_too_simple",
-        "board_bent",
-        "motion",
-        "focus_changed",
-    ]
+    code: str
     text: str
 
 
@@ -39,13 +33,11 @@ LIMIT_REACHED = Advice(
 
 
 def find_better_model(views: Sequence[View], calibration: Calibration) -> str | None:
-    """Model that explains the views better than that of their `calibration`; None if none does."""
-    if len(views) < 3:
-        return None
-    try:
-        model = suggest_model([thin(view) for view in views], calibration.camera.img_size).model
-    except CalibrationError:
-        return None
+    """Model that explains the views better than that of their `calibration`, or None."""
+    model = calibration.camera.model
+    if len(views) >= 3:
+        with suppress(CalibrationError):
+            model = suggest_model([thin(view) for view in views], calibration.camera.img_size).model
     return model if model != calibration.camera.model else None
 
 
@@ -72,7 +64,7 @@ REFUSAL_HINTS: Mapping[Reason, Hint] = {
     "mirrored": Hint("unmirror"),
     "outlier": Hint("hold_still"),
 }
-"""Hint after a refusal that does not depend on the target."""
+"""Hints that do not depend on the target."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -137,7 +137,7 @@ class Capture:
     def _end_reason(
         self, views: Sequence[View], estimate: Estimate, history: History, *, is_predicted: bool = True
     ) -> EndReason | None:
-        """Reason to end with this estimate; `is_predicted`: the last view was as far off as predicted."""
+        """Reason to end here; `is_predicted`: the last view was as far off as predicted."""
         if self.recorded or estimate.uncertainty is None:
             return None
         active = [view for i, view in enumerate(views) if i not in estimate.excluded]
@@ -171,7 +171,7 @@ class Capture:
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
     ) -> TargetPose:
-        """Choose the next target pose.
+        """Next target pose.
 
         Targets `skipped` since the last view make it an easier one that differs from them; targets
         `unreached` before limit how hard a pose is asked for.
@@ -320,7 +320,6 @@ class Capture:
     def _exclude_outliers(
         self, views: Sequence[View], excluded: Mapping[int, Exclusion]
     ) -> dict[int, Exclusion]:
-        """Exclusions with the views that are not consistent with the others."""
         result = dict(excluded)
         while True:
             active = [i for i in range(len(views)) if i not in result]
@@ -331,7 +330,6 @@ class Capture:
             result[active[wrong]] = EXCLUDED_OUTLIER
 
     def _redundancy(self, target: TargetPose, others: Sequence[View], view: View) -> Reason | None:
-        """Reason to refuse a live view that agrees with the `others`; None if it is accepted."""
         if isinstance(self.guide, PoseSelection):  # the published method accepts views that reach its target
             return None if self.guide.is_reached(target, view) else "no_information"
         return "duplicate" if any(self.consistency.is_same_pose(view, other) for other in others) else None

@@ -1,7 +1,6 @@
 """Candidate poses of the board that a person can hold and a camera can see."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -109,16 +108,11 @@ class RayGrid:
     focal: float
     img_size: tuple[int, int]
 
-    @cached_property
-    def min_cos_angle(self) -> float:
-        """Cosine of the largest angle from the axis at which a part of the board may be."""
-        half_view = np.degrees(np.arccos(np.nanmin(self.rays[:, :, 2])))
-        return float(np.cos(np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))))
-
     @classmethod
-    def of(cls, camera: Camera, grid: tuple[int, int] = (17, 13)) -> "RayGrid":
-        """Grid of (columns, rows) rays of a camera."""
-        x, y = (np.linspace(-0.5, size - 0.5, n) for size, n in zip(camera.img_size, grid, strict=True))
+    def of(cls, camera: Camera) -> "RayGrid":
+        """Rays of a camera."""
+        w, h = camera.img_size
+        x, y = np.linspace(-0.5, w - 0.5, 17), np.linspace(-0.5, h - 0.5, 13)
         rays = models.get(camera.model).unproject(camera.intrinsics, np.stack(np.meshgrid(x, y)))
         return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), camera.focal[0], camera.img_size)
 
@@ -178,16 +172,8 @@ def check_visibility(
 
     A detector finds a corner if the image contains it and what identifies it (`Board.support`). A hand
     misses the pose: a point on the border of the image is seen in half of the cases, one at
-    `limits.border` from it always, or never.
-
-    Parameters
-    ----------
-    p
-        (c, 3, n) corners in the camera frame, squares.
-    q
-        (c, 2, n) their projections, px.
-    axes
-        (c, 3, 3) rotations of the boards, board -> camera.
+    `limits.border` from it always, or never. `p` (c, 3, n): corners in the camera frame; `q` (c, 2, n):
+    their pixels; `axes` (c, 3, 3): board -> camera.
     """
     model, w = models.get(camera.model), camera.img_size[0]
     border = limits.border * w
@@ -232,6 +218,8 @@ def is_in_front(poses: Poses, board: Board, rays: RayGrid) -> Mask:
     """True if all of the board, visible or not, is in front of the camera and faces it (c,)."""
     p = poses.r @ board.outline.T + poses.t[:, :, None]
     length = np.sqrt(np.einsum("cin,cin->cn", p, p))
-    front = (p[:, 2] / length).min(axis=1) >= rays.min_cos_angle
+    half_view = np.degrees(np.arccos(np.nanmin(rays.rays[:, :, 2])))
+    widest = np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))
+    front = (p[:, 2] / length).min(axis=1) >= np.cos(widest)
     front &= np.einsum("ci,cin->cn", poses.r[:, :, 2], p).min(axis=1) > 0
     return np.asarray(front, dtype=np.bool_)

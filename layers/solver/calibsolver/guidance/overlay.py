@@ -14,8 +14,8 @@ from ..camera import Camera
 from .target import TargetPose
 
 STRIDES_PX = (16, 8)
-"""Spacing of the rays that are computed; interpolation between them is right to a few hundredths of a pixel.
-The smaller one is used at the end of the model's domain."""
+"""Spacing of the rays that are computed; interpolated ones are right to a few hundredths of a pixel. The
+smaller one is used at the end of the model's domain."""
 OFF_BOARD = 1e4
 """Texture coordinate of pixels without a board: within the range of fixed-point maps."""
 MARGIN_PX = 4
@@ -43,8 +43,8 @@ def render(
     """Picture of `drawn_size(camera.img_size)` with the board at the target pose, black elsewhere.
 
     White squares are green and black ones magenta, hues of similar brightness for the CSS blend mode
-    `color`; no pixel of the board is black. PNG has an alpha channel that is 0 outside the board. Nothing
-    is drawn where the model is not one-to-one. Raises ValueError for an unknown format.
+    `color`; no pixel of the board is black. The alpha channel of a PNG is 0 outside the board. Nothing is
+    drawn where the model is not one-to-one. Raises ValueError for an unknown format.
     """
     if image_format not in ("jpeg", "png"):
         raise ValueError(f"unknown image format {image_format!r}")

@@ -47,7 +47,7 @@ def find_next_region(camera: Camera, covered: Sequence[Box]) -> Box:
     """Most distorted part of the image that is not yet `covered`; else the whole image.
 
     The threshold on |distorted - undistorted| falls from 95 % of its largest value in steps of 5 % until a
-    connected region appears that is covered by less than MIN_COVERED_SHARE.
+    connected region appears that is hardly covered.
     """
     w, h = camera.img_size
     columns, rows = max(w // CELL_PX, 2), max(h // CELL_PX, 2)
@@ -128,11 +128,7 @@ INTRINSICS = ("fx", "fy", "cx", "cy")
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Progress of the method after some views.
-
-    `target_counts`: of each parameter. `covered`: by targets for the distortion. `next_parameter`: None if
-    all have converged.
-    """
+    """Progress of the method after some views; no next parameter: all have converged."""
 
     converged: frozenset[int]
     target_counts: tuple[int, ...]
@@ -252,7 +248,6 @@ class PoseSelection(Guide):
         return np.asarray(center - r @ self.board.outline.mean(axis=0))
 
     def _fronto_parallel_target(self, box: Box, camera: Camera, purpose: str) -> TargetPose:
-        """Fronto-parallel target that fills a part of the image as far as its shape allows."""
         (w, h), (columns, rows) = self.img_size, self.board.size
         width = min(box.width * w, box.height * h * columns / rows)
         middle = np.array([[(box.left + box.width / 2) * w - 0.5, (box.top + box.height / 2) * h - 0.5]])

@@ -133,7 +133,7 @@ class IntrinsicsPosterior:
         return s, q.transpose(1, 0, 2)
 
     def gain(self, information: Array) -> float:
-        """Decrease of the mean square error, px^2, by views of Fisher `information` (p, p) at unit noise."""
+        """Decrease of the mean square error, px^2, by Fisher `information` (p, p) at unit noise."""
         w = self.error_metric
         before = symmetric_inverse(self.information)
         after = symmetric_inverse(self.information + information / self.noise**2)

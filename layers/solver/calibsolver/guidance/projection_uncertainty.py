@@ -64,11 +64,11 @@ class ProjectionUncertainty(Guide):
         views
             Only their number matters: it varies the choice between equally good poses.
         calibration
-            The estimate from them, or None if there is none yet.
+            The estimate from them, or None.
         skipped
             Targets the user could not reach: one unlike them is chosen, easy to hold and wholly visible.
         unreached
-            Targets given up earlier in this session: from then on easier ones are chosen.
+            Targets given up earlier: from then on easier ones are chosen.
         """
         posterior = IntrinsicsPosterior.of(self.model.name, self.img_size, calibration, self.seed)
         # First estimates may be far off: corners that overflow count as invisible.
@@ -156,7 +156,6 @@ class ProjectionUncertainty(Guide):
         return np.asarray(distance + np.linalg.norm(poses.r[:, :, 2] - last.normal, axis=1))
 
     def _purpose(self, posterior: IntrinsicsPosterior, s: Array) -> str:
-        """Group of parameters that a view of information s (p, p) improves most."""
         before = symmetric_inverse(posterior.information)
         after = symmetric_inverse(posterior.information + s / posterior.noise**2)
         ratio = np.diagonal(after) / np.diagonal(before)

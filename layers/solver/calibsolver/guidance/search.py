@@ -173,7 +173,7 @@ class Search:
     def score(self, information: Array, other: Array | None = None) -> Array:
         """Mean square projection error (c,) px^2 after candidates of information (c, p, p).
 
-        `other` (p, p) is the information of another view that is added to each.
+        `other` (p, p) is added to each.
         """
         known = np.eye(len(self._metric)) if other is None else np.eye(len(self._metric)) + other
         return np.asarray(np.einsum("cij,ij->c", np.linalg.inv(known + information), self._metric))
@@ -230,8 +230,7 @@ def fisher_information(
 ) -> tuple[Array, Mask]:
     """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
 
-    A corner counts by how probably it is found. Also returned is which poses (c,) respect the limits;
-    others have 0.
+    A corner counts by how probably it is found. Poses that do not respect the limits (c,) have 0.
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)

@@ -40,7 +40,7 @@ EDGES: Mapping[str, tuple[Code, slice | int, slice | int]] = {
     "top": ("top_edge_not_covered", 0, slice(None)),
     "bottom": ("bottom_edge_not_covered", -1, slice(None)),
 }
-"""Outermost cells of RIM_GRID, row and column, and the code if no board was there."""
+"""Code and outermost cells of RIM_GRID, row and column."""
 REFERENCE_WIDTH_PX = 1280.0
 """Image width at which lengths in px are meant; they scale with it."""
 COVERAGE_RADIUS_DIAGONALS = 0.12
@@ -49,8 +49,7 @@ MIN_NOTICEABLE_PX = 0.1
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
 """Largest predicted rms projection error over the image of a good calibration, and of a fair one."""
 MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
-"""The same of a fair one inside the part of the image that the board has shown, and smallest share of this
-part."""
+"""The same of a fair one where the board has been, and smallest share of this part."""
 MIN_FITTED_VIEWS = 4
 MIN_TILT_DEG = 15.0
 """Angle between sight line and board normal, below which focal length and distance trade places."""

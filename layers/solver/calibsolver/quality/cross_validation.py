@@ -45,7 +45,7 @@ def held_out(
     """Cross-validate: intrinsics from the training views, the poses of the held-out views fitted.
 
     The parameters are those of `fit`. View i is left out in part i mod FOLDS. Raises CalibrationError
-    ``too_few_views`` if no training view would be left, or what the fit of a part raises.
+    ``too_few_views`` if no training view is left, or what a fit raises.
     """
     part = np.arange(len(views)) % FOLDS
     if len(views):

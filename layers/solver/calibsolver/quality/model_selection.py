@@ -1,6 +1,7 @@
 """Model selection by cross-validation: the simplest model that is not significantly worse than the best."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,13 +68,25 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     return Choice(chosen, errors, tuple(describe_reasons(chosen, best, scores, refused, img_size)))
 
 
+def fit_other_models(
+    calibration: Calibration, views: Sequence[View], board_shape: bool
+) -> dict[str, Calibration]:
+    """Fits of the models other than the calibration's that succeed."""
+    fits = {}
+    for name in models.NAMES:
+        if name != calibration.camera.model:
+            with suppress(CalibrationError):
+                fits[name] = fit(views, calibration.camera.img_size, name, board_shape=board_shape)
+    return fits
+
+
 def simplicity_rank(name: str) -> int:
     """Rank of a model from simple to complex."""
     return SIMPLEST_FIRST.index(name)
 
 
 def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
-    """Views without the points that none of several fits used; none with too few others."""
+    """Views without the points that none of several fits used, and with enough others."""
     out = []
     for i, view in enumerate(views):
         used = np.logical_or.reduce([c.used[i] for c in fits])

@@ -114,7 +114,6 @@ def _percent(share: float) -> str:
 
 
 def _figure(value: float) -> str:
-    """Number with one decimal, or one digit if it is small."""
     return f"{value:.1f}" if value >= 0.1 else f"{value:.1g}"
 
 
@@ -124,7 +123,6 @@ def _board(shape: BoardShape) -> dict[str, Json]:
 
 
 def _digits(value: float, digits: int = 3) -> float | None:
-    """Number with so many significant digits; None if it is not finite."""
     return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
 
 

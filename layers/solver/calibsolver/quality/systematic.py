@@ -7,7 +7,6 @@ model explains the noise that its fit does away with.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal
@@ -16,14 +15,13 @@ import numpy as np
 
 from .. import deadline, models
 from ..arrays import Array
-from ..errors import CalibrationError, undetermined
+from ..errors import undetermined
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
 from ..fitting.normal_equations import POSE_SIZE, Poses, linearize
 from ..fitting.observations import Observations
 from ..view import View
 from .assessment import REFERENCE_WIDTH_PX, Reason, has_fixed_pattern
-from .model_selection import simplicity_rank
+from .model_selection import fit_other_models, simplicity_rank
 
 Code = Literal["board_bent", "motion", "focus_changed", "model_too_simple"]
 
@@ -32,16 +30,15 @@ MIN_CAUSE_VIEWS = 3
 MIN_EXPLAINED_SHARE = 0.15
 """Share of the residuals' variance from which a cause is named."""
 MIN_SHARE_RATIO = 0.75
-"""Share that a cause explains / the largest one, from which it is named rather than one with more numbers."""
+"""Share of a cause / the largest one, from which it is named rather than one with more numbers."""
 MAX_SHARE_BESIDE_MODEL = 0.5
-"""Share that a cause within the views explains, up to which another model may be to blame."""
+"""Share of a cause within the views, up to which another model may be to blame."""
 MIN_CAUSED_PX = 0.2
-"""Rms of what a cause explains, from which a calibration is not good: as much as the noise of corners."""
+"""Rms of what a cause explains, from which a calibration is not good: the noise of corners."""
 MIN_CAUSED_INFLATION = 4.0
 """Inflation from which any cause leaves it not good: error bars are twice those of white noise."""
 PATTERN_IN_SHAPE = 0.5
-"""Fixed pattern from which other models are tried / that if the board has no shape, which takes up some of
-it."""
+"""Limit of the fixed pattern / the usual one, if the board has a shape, which takes up some of it."""
 MAX_MODELS_S = 1.0
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
 ADVICE: Mapping[Code, str] = {
@@ -49,7 +46,7 @@ ADVICE: Mapping[Code, str] = {
     "board_bent": "The board bends from view to view: glue it to something rigid, such as glass or a tray.",
     "motion": "The board or the camera moved while a picture was taken: hold it still for longer.",
 }
-"""Advice to the person who holds the board, by cause within a view; causes with fewer numbers come first."""
+"""Remedies by cause within a view; causes with fewer numbers come first."""
 
 
 @dataclass(frozen=True)
@@ -129,13 +126,8 @@ def _better_model(calibration: Calibration, views: Sequence[View]) -> tuple[str 
     if not has_fixed_pattern(calibration, views, PATTERN_IN_SHAPE if bends else 1.0):
         return _NO_MODEL
     kept = [view for view, used in zip(views, calibration.used, strict=True) if used.any()]
-    shares: dict[str, float] = {}
-    for name in models.NAMES:
-        if name == calibration.camera.model:
-            continue
-        with suppress(CalibrationError):
-            noise = fit(kept, calibration.camera.img_size, name, board_shape=bends).noise
-            shares[name] = 1 - (noise / max(calibration.noise, 1e-12)) ** 2
+    others, noise = fit_other_models(calibration, kept, bends), max(calibration.noise, 1e-12)
+    shares = {name: 1 - (other.noise / noise) ** 2 for name, other in others.items()}
     most = max(shares.values(), default=0.0)
     if most <= 0:
         return _NO_MODEL
@@ -189,7 +181,7 @@ def _columns(rows: Array) -> Array:
 def _share_in_each(views: Sequence[tuple[Array, Array]]) -> float:
     """Adjusted R^2 of least squares in each view separately; 0 if no view has enough points.
 
-    Residuals (2n,) and regressors (2n, m) of the views have the pose projected out.
+    The views' residuals (2n,) and regressors (2n, m) have the pose projected out.
     """
     before = after = 0.0
     freedom = explained = 0

@@ -2,9 +2,8 @@
 
 from .calibration import RigCalibration, RigUncertainty
 from .estimate import estimate
-from .fit import fit
+from .fit import fit, held_out_rms
 from .guidance import RigTarget, next_moment
-from .held_out import held_out_rms
 from .problem import MAX_ONLINE_POINTS, thin
 
 __all__ = [

@@ -15,9 +15,8 @@ from ..fitting.uncertainty import projection_jacobian_rotation_free, variance
 from ..guidance.hints import Hint, Placement, largest_difference
 from ..guidance.target import TargetPose
 from .calibration import RigCalibration
-from .fit import fit
+from .fit import fit, held_out_rms
 from .guidance import RigTarget, next_moment
-from .held_out import held_out_rms
 from .problem import MAX_ONLINE_POINTS, Moment, thin, unlinked_cameras
 from .start import RigidMotion
 

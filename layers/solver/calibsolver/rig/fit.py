@@ -29,14 +29,25 @@ from ..rotation import vector
 from . import transfer
 from .calibration import RigCalibration
 from .problem import Moment, RigProblem, thin, unlinked_cameras
-from .start import LocatedMoment, RigidMotion, Single, Specification, fit_alone, resected, stack, start
+from .start import (
+    LocatedMoment,
+    RigidMotion,
+    Single,
+    Specification,
+    fit_alone,
+    locate_boards,
+    resected,
+    stack,
+    start,
+    symmetries,
+)
 
 MAX_JOINT_NOISE_RATIO = 1.5
 """Noise of the rig / noise of its single cameras, from which a contradicting view is searched."""
 MIN_NOISE_DROP = 0.6
 """Noise of the rig without a view / with it, below which the view is set aside."""
 MAX_START_MEDIANS = 3.0
-"""Error of a moment under the start / that of the typical moment, up to which its views agree at first."""
+"""Error of a moment under the start / that of the typical one, up to which its views agree at first."""
 MIN_START_ERROR_WIDTHS = 1e-3
 """Error under the start / image width below which a view agrees."""
 MAX_CANDIDATES = 12
@@ -52,7 +63,7 @@ MIN_OUTLIER_WIDTHS = 0.003
 MAX_TAIL_RMS_RATIO = 1.1
 """Rms over all but gross outliers / rms of the inliers, up to which all of them count."""
 MIN_MOMENTS_PER_LATE_VIEW = 4
-"""Moments for each view that is set aside although no residual of its own stands out."""
+"""Moments for each view that is set aside although no residual stands out."""
 MAX_NOISE_RATIO = 4.0
 """Largest ratio of the noise of two cameras that is believed."""
 
@@ -158,7 +169,6 @@ class _RigFit:
         return self._without(self.problem.obs.mask, self._refused_alone())
 
     def _without(self, mask: Mask, views: Mapping[tuple[int, int], str]) -> Mask:
-        """Points (m, n) of `mask` but for those of `views`, by (moment, position)."""
         left = mask.copy()
         for view, row, slots in self._views():
             if view in views:
@@ -210,7 +220,10 @@ class _RigFit:
         return self._result(shaped, good, mixed)
 
     def _begin(self, state: State) -> tuple[State, Mask]:
-        """Fit with all views, and if some contradict, with those near the start first."""
+        """Fit with all views, and if some contradict, with those near the start first.
+
+        A compromise of moments that contradict each other may be far from all of them.
+        """
         problem, near = self.problem, self._near_start(state)
         begun: list[tuple[bool, int, State, Mask]] = []
         for first in (self.mask,) if near is self.mask else (self.mask, near):
@@ -225,10 +238,7 @@ class _RigFit:
         return state, good
 
     def _near_start(self, state: State) -> Mask:
-        """Points (m, n) whose views agree with the start; all if without the others cameras are unlinked.
-
-        A compromise of moments that contradict each other may be far from all of them.
-        """
+        """Points (m, n) whose views agree with the start; all if without the others cameras are unlinked."""
         mask, visible = self.mask, self.problem.seen_by(self.mask)
         errors = np.full(visible.shape, np.nan)
         for i, member in enumerate(self.problem.members):
@@ -247,7 +257,6 @@ class _RigFit:
         return mask if self._find_unlinked(left) else left
 
     def _is_contradictory(self, state: State, good: Mask) -> bool:
-        """True if points `good` (m, n) are noisier in the rig than in its single cameras."""
         joint = float(np.sqrt(np.mean(state.square[good]) / 2))
         return joint > MAX_JOINT_NOISE_RATIO * max(self.noise, NOISE_FLOOR * self.problem.width)
 
@@ -272,7 +281,6 @@ class _RigFit:
         return (moved, left) if least < MIN_NOISE_DROP * noise else None
 
     def _find_unlinked(self, good: Mask) -> tuple[int, ...]:
-        """Positions that no chain of moments links to camera 0, of points `good` (m, n)."""
         moments = [np.flatnonzero(seen).tolist() for seen in self.problem.seen_by(good)]
         return unlinked_cameras(len(self.alone), moments)
 
@@ -290,10 +298,7 @@ class _RigFit:
         return [(row, slots) for _, row, slots in errors[:MAX_CANDIDATES]]
 
     def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
-        """State and the points that took part: those `among` (m, n) but for outliers.
-
-        The points of `first` (m, n) show how much noise there is before anything is left out.
-        """
+        """State and inliers `among` points (m, n); those of `first` show how much noise there is at first."""
         inliers = self._inliers(state, among, first, outliers.GROSS_OUTLIER_SIGMAS)
         state, good = self._reject_outliers(state, among, inliers)
         if state.converged and good.any() and not np.array_equal(inliers, good):
@@ -322,7 +327,6 @@ class _RigFit:
         return good
 
     def _reject_outliers(self, state: State, mask: Mask, inliers: Mask) -> tuple[State, Mask]:
-        """Fit to points of `mask` (m, n) and reject outliers in turn, starting with `inliers`."""
         good, unsettled = inliers, 0
         for _ in range(MAX_REJECTIONS):
             if self._find_unlinked(good):
@@ -349,7 +353,7 @@ class _RigFit:
         return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
 
     def _result(self, optimum: State, good: Mask, mixed: MixedFit | None = None) -> RigCalibration:
-        """Result at the optimum; `mixed`: how the board's shape was fitted, None if the board is as drawn."""
+        """Result at the optimum; `mixed`: how the board's shape was fitted."""
         if not optimum.converged:
             raise CalibrationError(
                 "not_converged", "the fit did not settle: the moments contradict each other"
@@ -413,7 +417,6 @@ class _RigFit:
         )
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
-        """Raise CalibrationError if many points lie where a camera's model is not one-to-one."""
         points = self.problem.points_before_cameras(state.k, state.poses, self.problem.obs)
         for i, p in enumerate(points):
             inside = cameras[i].valid(p.transpose(0, 2, 1))[good[:, self.problem.members[i].slots]]
@@ -437,3 +440,67 @@ class _RigFit:
         out = np.zeros((sum(map(len, held)) + 6 * (len(held) - 1),) * 2)
         out[np.ix_(free, free)] = covariance
         return out
+
+
+FOLDS = 5
+
+
+@undetermined()
+def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> float | None:
+    """px, rms over all points of the moments left out, whose board poses are fitted.
+
+    Views that the fit set aside stay out. None if no part can be left out without unlinking cameras.
+    """
+    used = [
+        {i: view for i, view in moment.items() if (m, i) not in calibration.set_aside}
+        for m, moment in enumerate(moments)
+    ]
+    used = [moment for moment in used if moment]
+    # Intrinsics without variance were held.
+    cameras: list[Specification] = [
+        (camera.img_size, camera.model) if calibration.intrinsics_covariance(i).any() else camera
+        for i, camera in enumerate(calibration.cameras)
+    ]
+    squares, points = 0.0, 0
+    for fold in range(min(FOLDS, len(used))):
+        training = [moment for m, moment in enumerate(used) if m % FOLDS != fold]
+        try:
+            starts, bends = dict(enumerate(calibration.cameras)), calibration.board_shape is not None
+            rig = fit(training, cameras, starts=starts, board_shape=bends)
+        except CalibrationError:
+            continue  # nothing is left that links the cameras, or too little of one of them
+        square, count = _score(rig, rig.shaped(used[fold::FOLDS]))
+        squares, points = squares + square, points + count
+    return float(np.sqrt(squares / points)) if points else None
+
+
+class _HeldRig(RigProblem):
+    """Rig of which only the board's poses are fitted."""
+
+    def at(self, k: Array, poses: Poses) -> State:
+        state = super().at(k, poses)
+        return replace(state, rows=state.rows[self.size :], prior_jacobian=state.prior_jacobian[:, :0])
+
+    def free(self, da: Array) -> Array:
+        return np.zeros((self.size, len(da))) @ da  # no direction is free
+
+
+def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
+    """Sum of the squared distances, px^2, over moments whose board poses are fitted, and number of points."""
+    alone = {
+        i: fit_alone(moments, i, camera, True, None)
+        for i, camera in enumerate(rig.cameras)
+        if any(i in moment for moment in moments)
+    }
+    usable = [moment for moment in resected(moments, alone) if moment.poses]
+    turns = symmetries([view for moment in moments for view in moment.values()])
+    located = locate_boards(rig.cameras, rig.motions, usable, turns)
+    if not located:
+        return 0.0, 0
+    problem = _HeldRig.of([each.views for each in located], rig.cameras, [True] * len(rig.cameras))
+    poses = Poses(*stack([each.board for each in located]))
+    k = problem.pack([camera.intrinsics for camera in rig.cameras], rig.poses)
+    with np.errstate(all="ignore"):
+        state = problem.solve(problem.at(k, poses), problem.obs.mask.astype(float), Options(with_prior=False))
+    mask = problem.obs.mask & np.isfinite(state.square)
+    return float(state.square[mask].sum()), int(mask.sum())

@@ -94,15 +94,11 @@ def write(source: RigSource, name: str) -> ExportedFile:
     if len(files) == 1:
         (filename, content), *_ = files.items()
         return ExportedFile(content, media_type, f"{stem}-{filename}", error, 1.0, warning)
-    return ExportedFile(_archive(files), "application/zip", f"{stem}.zip", error, 1.0, warning)
-
-
-def _archive(files: Files) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for filename, content in files.items():
             archive.writestr(zipfile.ZipInfo(filename, ZIP_TIME), content, zipfile.ZIP_DEFLATED)
-    return packed.getvalue()
+    return ExportedFile(packed.getvalue(), "application/zip", f"{stem}.zip", error, 1.0, warning)
 
 
 def _convert(source: RigSource, form: Format) -> list[_Converted]:
@@ -117,7 +113,7 @@ def _convert(source: RigSource, form: Format) -> list[_Converted]:
 
 
 def _opencv(source: RigSource, converted: Sequence[_Converted]) -> Files:
-    """Stereo YAML of camera 0 and each other camera, with the matrices that cv2.stereoRectify returns."""
+    """Stereo YAML of camera 0 and each other camera, as of cv2.stereoRectify."""
     short = {"camera_matrix": "K", "distortion_coefficients": "D", "xi": "xi"}
     files = {}
     for i in range(1, len(source.cameras)):
@@ -179,7 +175,7 @@ def _kalibr(source: RigSource, converted: Sequence[_Converted]) -> Files:
 
 
 def _colmap(source: RigSource, converted: Sequence[_Converted]) -> Files:
-    """cameras.txt and rig_config.json with the poses of the cameras in the rig, camera 0 the reference."""
+    """cameras.txt and rig_config.json, camera 0 the reference."""
     rows, cameras = [], []
     for i, each in enumerate(converted):
         line = each.text().strip().splitlines()[-1].split()

@@ -56,7 +56,7 @@ class RigTarget:
     views
         The target by position, as each camera that would see the board would see it.
     unlinked
-        Positions of the cameras that no chain of moments links to camera 0.
+        Positions that no chain of moments links to camera 0.
     """
 
     pose: Array | None
@@ -74,12 +74,14 @@ def next_moment(
     skipped: Sequence[Array] = (),
     missed: int = 0,
 ) -> RigTarget:
-    """Choose the next moment. `calibration`: the fit to the `moments`, None if cameras share none yet.
+    """Choose the next moment.
 
     Parameters
     ----------
     cameras
         As for `fit`.
+    calibration
+        The fit to the `moments`, or None.
     skipped
         (6,) poses, board -> camera 0, that the user could not reach: others are chosen.
     missed

@@ -122,7 +122,7 @@ class RigProblem(LeastSquares):
 
     @cached_property
     def row_positions(self) -> Array:
-        """Rows (m, n) of the points in their images, as `row_position`."""
+        """Rows (m, n) of the points, as `row_position`."""
         out = np.zeros(self.obs.mask.shape)
         for member in self.members:
             part = member.slots

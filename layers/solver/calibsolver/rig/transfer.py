@@ -13,6 +13,7 @@ from ..camera import pixel_grid
 from ..fitting import normal_equations
 from ..fitting.levenberg_marquardt import State
 from ..fitting.uncertainty import variance
+from ..models import Model
 from .calibration import RigUncertainty
 from .problem import RigProblem, cross, left_jacobian
 
@@ -82,14 +83,13 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     rays = one.model.unproject(k_i, pixel_grid(one.img_size, GRID).reshape(2, -1))
     rays = rays[:, np.isfinite(rays).all(axis=0)]
     x_i = distance * rays
-    in_rig = r_i.T @ (x_i - vectors[i, 3:, None])
-    turned = r_j @ in_rig
+    turned = r_j @ (r_i.T @ (x_i - vectors[i, 3:, None]))
     x_j = turned + vectors[j, 3:, None]
     if inside:
         q = other.model.project(k_j, x_j)
         w, h = other.img_size
         visible = other.model.valid(k_j[4:], x_j) & (q[0] > 0) & (q[1] > 0) & (q[0] < w - 1) & (q[1] < h - 1)
-        rays, x_i, in_rig, turned, x_j = (a[:, visible] for a in (rays, x_i, in_rig, turned, x_j))
+        rays, x_i, turned, x_j = (a[:, visible] for a in (rays, x_i, turned, x_j))
         _, by_kj, by_xj = other.model.jacobian(k_j, x_j)
     else:
         by_kj, by_xj = np.zeros((other.model.size, 2, x_j.shape[1])), _by_direction(x_j)
@@ -99,7 +99,7 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     if other.held is None:
         out[problem.offsets[0][j] :][: other.model.size] = by_kj
     if one.held is None:
-        by_ray = np.einsum("can,ncp->pan", by_xi * distance, _ray_derivatives(problem, k_i, i, rays))
+        by_ray = np.einsum("can,ncp->pan", by_xi * distance, _ray_derivatives(one.model, k_i, rays))
         out[problem.offsets[0][i] :][: one.model.size] += by_ray
     if j:
         at = problem.offsets[1][j]
@@ -114,9 +114,9 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     return d[np.isfinite(d).all(axis=(1, 2))]
 
 
-def _ray_derivatives(problem: RigProblem, k: Array, position: int, rays: Array) -> Array:
-    """Derivatives (n, 3, p) of the unit rays (3, n) of fixed pixels by the intrinsics of their camera."""
-    _, by_k, by_p = problem.members[position].model.jacobian(k, rays)
+def _ray_derivatives(model: Model, k: Array, rays: Array) -> Array:
+    """Derivatives (n, 3, p) of the unit rays (3, n) of fixed pixels by the intrinsics k (p,)."""
+    _, by_k, by_p = model.jacobian(k, rays)
     a = by_p.transpose(2, 1, 0)
     inverse = a.transpose(0, 2, 1) @ np.linalg.inv(a @ a.transpose(0, 2, 1))
     return np.asarray(-inverse @ by_k.transpose(2, 1, 0))
