@@ -100,26 +100,6 @@ def test_noiseless_copies_do_not_converge(focal: int) -> None:
     assert views
 
 
-@pytest.mark.parametrize("width", [0.1, *thorough(0.6)])
-def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
-    c, rng = capture(), np.random.default_rng(3)
-    target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
-    tvec = centred(rvec, 9 * CAMERA.matrix[0, 0] / (width * 1280))
-    views = [synthetic.detect(BOARD, CAMERA, rvec, tvec, rng, noise=0)]
-    assert c.judge([], target, views[0]).accepted
-    estimate = c.estimate(views)
-    for _ in range(6):
-        target = c.next_target(views, estimate)
-        asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
-        view = synthetic.detect(BOARD, CAMERA, *synthetic.User().hold(BOARD, asked, rng), rng, noise=0.15)
-        decision = c.judge(views, target, view)
-        if decision.accepted and decision.estimate:
-            views, estimate = [*views, view], decision.estimate
-        if estimate.converged:
-            break
-    assert estimate.converged
-
-
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("tilt", [0, *thorough(2, 5, 10, 20)])
 def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:

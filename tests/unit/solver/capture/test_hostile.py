@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, View
+from calibsolver import Board, Camera, View, rotation
 from calibsolver.capture import MAX_VIEWS, Capture, Estimate, Exclusion, History
 from calibsolver.guidance import TargetPose
 from tests.helpers.marks import thorough
@@ -262,3 +262,12 @@ def test_rational_model_converges_on_noiseless_corners(seed: int) -> None:
 
     session.show(noiseless, 6)
     assert session.finish() < 0.01
+
+
+@pytest.mark.parametrize("width", [0.1, *thorough(0.6)])
+def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
+    session, rvec = Session(seed=3), np.array([0.3, 0.4, 0.0])
+    middle = np.array([0, 0, 9 * CAMERA.matrix[0, 0] / (width * SIZE[0])])
+    tvec = middle - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
+    assert session.submit(synthetic.detect(BOARD, CAMERA, rvec, tvec, session.rng, noise=0))
+    session.finish(6)
