@@ -29,9 +29,8 @@ def test_poses_are_those_of_the_least_squares_fit() -> None:
     calibration = fit(views, size, robust=False)
     result = reprojection_score(calibration.camera, views)
     assert result.rms == pytest.approx(calibration.avg_reprojection_error, rel=1e-6)
-    np.testing.assert_allclose(
-        rotation.matrix(result.poses[:, :3]), rotation.matrix(calibration.poses[:, :3]), atol=1e-3
-    )
+    turns, expected = (rotation.matrix(poses[:, :3]) for poses in (result.poses, calibration.poses))
+    assert turns == pytest.approx(expected, abs=1e-3)
 
 
 @external_data
@@ -42,9 +41,8 @@ def test_no_fold_diverges() -> None:
 
 def test_unprojectable_views_have_no_finite_score() -> None:
     """A view beyond the edge of a folding lens is not explained; no number pretends it is."""
-    narrow = Camera(
-        "rectilinear", np.array([[800, 0, 640], [0, 800, 360], [0, 0, 1]]), [-0.9, 0, 0, 0, 0], (1280, 720)
-    )
+    matrix = np.array([[800, 0, 640], [0, 800, 360], [0, 0, 1]])
+    narrow = Camera("rectilinear", matrix, [-0.9, 0, 0, 0, 0], synthetic.IMG_SIZE)
     views = populations.views(synthetic.fisheye_cameras()[11], np.random.default_rng(0))
     assert not reprojection_score(narrow, views).rms < 20
 
