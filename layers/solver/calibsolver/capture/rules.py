@@ -37,9 +37,9 @@ from .ending import MAX_VIEWS, MIN_VIEWS, NO_HISTORY, EndReason, History
 MAX_POINTS = 20_000
 """Points of all views with which a capture ends."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
-"""Noise of a corner's coordinate / image width; no detector has more in an image that shows markers."""
+"""Noise of a corner's coordinate / image width; no detector of markers has more."""
 MAX_ADVICE_S = MAX_CONFLICT_S = 1.0
-"""Time to find another model, and views that conflict with others, if the time is limited."""
+"""Times for another model, and for views that conflict with others, if the time is limited."""
 MAX_RUNNING_PROGRESS = 0.95
 MIN_GAIN_SHARE = 0.2
 """Share of the target's gain from which a view counts as held at the target."""

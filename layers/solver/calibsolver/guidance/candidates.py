@@ -10,9 +10,8 @@ from ..board import Board
 from ..camera import Camera
 from ..fitting.normal_equations import Poses
 
-DIMENSIONS = 6
 MAX_OUTSIDE_VIEW_DEG = 15.0
-"""Angle by which a part of the board may lie outside the field of view, but not next to the camera."""
+"""Angle by which a part of the board may lie outside the field of view."""
 
 
 @dataclass(frozen=True)
@@ -90,10 +89,8 @@ def subsample(count: int, max_count: int) -> IntArray:
 
 def r_sequence(count: int, offset: int) -> Array:
     """Low-discrepancy points (count, 6) of the unit cube: a Kronecker sequence, Roberts' R6 (2018)."""
-    root = 2.0
-    for _ in range(40):  # positive root of x^7 = x + 1
-        root = (1 + root) ** (1 / (DIMENSIONS + 1))
-    alpha = root ** -np.arange(1.0, DIMENSIONS + 1)
+    root = 1.1127756842787055  # of x^7 = x + 1
+    alpha = root ** -np.arange(1.0, 7.0)
     return np.asarray((0.5 + (np.arange(count)[:, None] + 1 + offset * count) * alpha) % 1.0)
 
 

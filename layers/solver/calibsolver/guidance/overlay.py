@@ -83,10 +83,7 @@ def drawn_size(img_size: tuple[int, int]) -> tuple[int, int]:
 
 
 def bounding_box(outline: Array, scale: Array, size: tuple[int, int]) -> tuple[int, int, int, int] | None:
-    """Bounding box (x0, y0, x1, y1) of an outline (m, 2) of the image, with a margin, in the picture.
-
-    The picture is `scale` (2,) times smaller than the image. None if the outline is outside it.
-    """
+    """Bounding box (x0, y0, x1, y1) of an image's outline (m, 2), with a margin, in the picture; or None."""
     if not len(outline):
         return None
     px = (outline + 0.5) / scale - 0.5

@@ -17,7 +17,6 @@ from ..view import View
 from .candidates import RayGrid
 
 ERROR_GRID = (12, 9)
-"""Columns and rows of pixels over which the projection error is averaged."""
 NOMINAL_NOISE_WIDTHS = 0.3 / 1280
 """Standard deviation of a corner's coordinate / image width, before any measurement."""
 MIN_NOISE_WIDTHS = 0.05 / 1280

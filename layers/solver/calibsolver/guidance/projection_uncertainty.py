@@ -27,7 +27,6 @@ from .search import PoseHistory, Search, fisher_information
 from .target import Guide, TargetPose
 
 NO_LIMITS = PoseLimits(min_visible=0.0, max_incidence_deg=90.0, min_spacing=0.0)
-"""For a pose that is chosen already."""
 MIN_CORNERS = 8
 """Corners that a target shows: a hand misses a pose by some."""
 WHOLE_BORDER = 0.05

@@ -25,7 +25,6 @@ MIN_BAD_NOISE_FACTOR = 1.35
 RETREAT = 0.8
 """Share of an unreached target's tilt or width that later targets may have."""
 EASY_TILT_DEG, EASY_WIDTH = 25.0, 0.6
-"""Tilt and apparent width that can always be asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +104,6 @@ SEARCH_COLUMNS = 8
 """Most columns of corners with which candidates are evaluated: those of the default board."""
 CANDIDATE_COUNT = 128
 ELITE_COUNT, SAMPLES_PER_ELITE = 4, 16
-"""Candidates that are refined in a round, and samples around each."""
 SEARCH_RADII = (0.3, 0.2, 0.14, 0.09, 0.05)
 REFINEMENT_RADII = (0.2, 0.12, 0.06)
 """Radii around the elite, / a candidate's range: in a new search, and among earlier candidates."""

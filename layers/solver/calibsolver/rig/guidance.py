@@ -31,9 +31,9 @@ from .problem import Moment, RigProblem, unlinked_cameras
 from .start import RigidMotion, Specification
 
 LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min_visible=0.5)
-"""Limits for the camera that leads: a board that two cameras see may have to be far away."""
+"""For the camera that leads: a board that two cameras see may have to be far away."""
 OTHER_LIMITS = replace(LIMITS, min_visible=0.3, max_incidence_deg=72.0)
-"""Limits for the others: beyond, their views are not counted on."""
+"""For the others: beyond, their views are not counted on."""
 SAMPLES = 96
 MAX_LEADERS = 4
 """Cameras that lead for one target: the others have their turn with the next."""

@@ -18,9 +18,7 @@ from .calibration import RigUncertainty
 from .problem import RigProblem, cross, left_jacobian
 
 GRID = (12, 9)
-"""Pixels (columns, rows) of each camera whose transfer counts."""
 MIN_SHARED = 3
-"""Pixels that two cameras share at least."""
 
 
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
