@@ -18,6 +18,7 @@ from .posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
 from .target import TargetPose
 
 CLOSE_UP_WIDTH, STEEP_TILT_DEG = 0.75, 45.0
+"""Apparent width / image, and tilt, from which fixed-focus lenses blur and glossy boards reflect."""
 UNPROVEN_NOISE_FACTOR = 1.1
 """Noise expected beyond these, until a view has been there / noise of the best view."""
 MIN_BAD_NOISE_FACTOR = 1.35

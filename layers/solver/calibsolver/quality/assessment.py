@@ -44,7 +44,7 @@ EDGES: Mapping[str, tuple[Code, slice | int, slice | int]] = {
 REFERENCE_WIDTH_PX = 1280.0
 """Image width at which lengths in px are meant; they scale with it."""
 COVERAGE_RADIUS_DIAGONALS = 0.12
-"""Distance / diagonal of the image within which a corner covers its surroundings."""
+"""Distance / diagonal within which a corner covers its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
 """Largest predicted rms projection error over the image of a good calibration, and of a fair one."""
@@ -52,9 +52,9 @@ MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
 """The same of a fair one where the board has been, and smallest share of this part."""
 MIN_FITTED_VIEWS = 4
 MIN_TILT_DEG = 15.0
-"""Angle between sight line and board normal, below which focal length and distance trade places."""
+"""Below it focal length and distance trade places."""
 MIN_RIM_COVERAGE = 0.6
-"""Share of the rim of the image, or of one side of it, that has seen corners."""
+"""Share of the rim, or of a side of it, that has seen corners."""
 MAX_HELD_OUT_RATIO, MAX_FAIR_HELD_OUT_RATIO = 1.4, 2.5
 """Largest error on views left out / error on those fitted of a good calibration, and of a fair one."""
 MAX_FIXED_PATTERN_SHARE = 0.3

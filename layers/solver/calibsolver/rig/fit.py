@@ -47,7 +47,7 @@ MAX_JOINT_NOISE_RATIO = 1.5
 MIN_NOISE_DROP = 0.6
 """Noise of the rig without a view / with it, below which the view is set aside."""
 MAX_START_MEDIANS = 3.0
-"""Error of a moment under the start / that of the typical one, up to which its views agree at first."""
+"""Error of a moment under the start / that of the typical one, up to which its views agree."""
 MIN_START_ERROR_WIDTHS = 1e-3
 """Error under the start / image width below which a view agrees."""
 MAX_CANDIDATES = 12
@@ -57,7 +57,7 @@ MAX_REJECTIONS = 6
 MAX_UNSETTLED_ROUNDS = 3
 """Rounds without convergence after which the moments are taken to contradict each other."""
 ROUND = Options(iterations=40, tolerance=1e-8)
-"""Moments that agree need ten to twenty steps, and the next round continues there."""
+"""Moments that agree need ten to twenty steps."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
@@ -65,7 +65,7 @@ MAX_TAIL_RMS_RATIO = 1.1
 MIN_MOMENTS_PER_LATE_VIEW = 4
 """Moments for each view that is set aside although no residual stands out."""
 MAX_NOISE_RATIO = 4.0
-"""Largest ratio of the noise of two cameras that is believed."""
+"""Largest believed ratio of the noise of two cameras."""
 
 
 @undetermined()
