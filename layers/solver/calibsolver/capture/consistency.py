@@ -6,6 +6,7 @@ view fits. So views are fitted together. If they contradict each other, the majo
 
 from collections import OrderedDict
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -18,34 +19,24 @@ from ..fitting.robust_covariance import SAME_POSE_WIDTHS
 from ..view import View
 
 MAX_ERROR_RATIO = 3.0
-"""Error of a consistent view / error of the others, at most."""
+"""Error of a consistent view / error of the others."""
 MIN_ERROR_WIDTHS = 0.3 / 1280
-"""px of error / image width below which no ratio counts: a webcam's corners are never better."""
+"""Error / image width below which no ratio counts: a webcam's corners are never better."""
 MIN_VIEW_INLIER_SHARE = 0.75
-"""Share of a view's points that must be inliers: gross outliers are few, not a large part of a view."""
+"""Share of inliers in a view: gross outliers are few."""
 MIN_IMPROVEMENT = 1.4
 """Error with a view / error without it, from which the difference is not one of chance."""
 SUSPECT_ERROR_RATIO = 1.8
 """Error of a view / error of the typical view, from which the view is tested again."""
 MAX_OUTVOTED_VIEWS = 3
-"""Accepted views that a larger group of later views may exclude: then it was the camera that changed."""
+"""Accepted views that a larger group of later views may exclude: then the camera changed."""
 CACHE_SIZE = 24
-"""Fits that are cached: those used last."""
 MAX_TRIAL_POINTS = 64
-"""Points of a view that take part in trials of consistency: two cameras differ by more than the rest would
-show."""
+"""Points of a view in trials of consistency."""
 
 
 class Consistency:
-    """Tests of views against each other; caches its last fits, so nothing is fitted twice in a request.
-
-    Parameters
-    ----------
-    img_size, model
-        Width and height, px, and name of the model that is fitted.
-    start
-        A camera that may be near, where fits start first.
-    """
+    """Tests of views against each other; caches its last fits. `start`: a camera that may be near."""
 
     def __init__(self, img_size: tuple[int, int], model: str, start: Camera | None = None) -> None:
         self.img_size = img_size
@@ -55,50 +46,39 @@ class Consistency:
         self._fits: OrderedDict[tuple[int, ...], tuple[tuple[View, ...], Calibration | None]] = OrderedDict()
         self._thinned: dict[int, tuple[View, View]] = {}
 
-    def fit(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views` and the shape of their board; None if no camera is believable, or nothing to fit.
-
-        Starts at `near`, or where the fit to one view less ended, or else the one to fewer points.
-        """
-        return self._fit(views, near, board_shape=True)
+    def fit(self, views: Sequence[View]) -> Calibration | None:
+        """Fit `views` and the shape of their board; None if no camera is believable, or nothing to fit."""
+        return self._fit(views, None, len(views) >= MIN_SHAPE_VIEWS)
 
     def fit_trial(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views` as `fit` does, to MAX_TRIAL_POINTS points of each, with the board as drawn."""
-        return self._fit([self._thin(view) for view in views], near, board_shape=False)
+        """Fit to MAX_TRIAL_POINTS points of each view, with the board as drawn."""
+        return self._fit([self._thin(view) for view in views], near, bends=False)
 
-    def _fit(self, views: Sequence[View], near: Calibration | None, board_shape: bool) -> Calibration | None:
+    def _fit(self, views: Sequence[View], near: Calibration | None, bends: bool) -> Calibration | None:
+        """Fit from `near`, or where the fit to one view less ended, or else the one to fewer points."""
         if not views:
             return None
-        bends = board_shape and len(views) >= MIN_SHAPE_VIEWS
         key = (int(bends), *(id(view) for view in views))
         if key not in self._fits:
             near = near or self._fits.get(key[:-1], ((), None))[1]
             if near is None and (bends or any(self._thin(view) is not view for view in views)):
                 near = self.fit_trial(views)
-            start = near.camera if near else self.start
-            try:
-                found: Calibration | None = fit(
-                    views, self.img_size, self.model, start=start, board_shape=bends
-                )
-            except CalibrationError:
-                found = None
-            self._fits[key] = (tuple(views), found)
+            start, result = near.camera if near else self.start, None
+            with suppress(CalibrationError):
+                result = fit(views, self.img_size, self.model, start=start, board_shape=bends)
+            self._fits[key] = (tuple(views), result)
             if len(self._fits) > CACHE_SIZE:
                 self._fits.popitem(last=False)
         return self._fits[key][1]
 
     def _thin(self, view: View) -> View:
-        """Return the thinned view, the same for the same view."""
         if id(view) not in self._thinned:
             self._thinned[id(view)] = view, thin(view)
         return self._thinned[id(view)][1]
 
-    def is_consistent(self, others: Sequence[View], view: View, near: Calibration | None = None) -> bool:
-        """True if one camera explains `view` together with the `others` about as well as without it.
-
-        `near`: a trial fit that the one of the `others` starts from.
-        """
-        before = self.fit_trial(others, near)
+    def is_consistent(self, others: Sequence[View], view: View) -> bool:
+        """True if one camera explains `view` together with the `others` about as well as without it."""
+        before = self.fit_trial(others)
         after = self.fit_trial([*others, view], before)
         if after is None or (len(others) in after.cut_views):
             return False
@@ -114,23 +94,19 @@ class Consistency:
         rms = np.sqrt(added / max(int(inliers.sum()), 1))
         return bool(rms <= MAX_ERROR_RATIO * max(before.rms_inliers, self.min_error))
 
-    def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int = 0) -> list[View]:
-        """Collect the views that agree with `view` and each other: it first, then the newest first.
-
-        Ends where no more than `more_than` of them can be found any more.
-        """
+    def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int) -> list[View]:
+        """Views that agree with `view` and each other; stops if they cannot be `more_than` that many."""
         consistent = [view]
         for left, other in zip(range(len(candidates), 0, -1), reversed(candidates), strict=True):
             if len(consistent) + left <= more_than:
                 break
-            if not any(self.is_same_pose(other, one) for one in consistent) and self.is_consistent(
-                consistent, other
-            ):
+            is_new = not any(self.is_same_pose(other, one) for one in consistent)
+            if is_new and self.is_consistent(consistent, other):
                 consistent.append(other)
         return consistent
 
     def find_conflicting_view(self, views: Sequence[View], view: View) -> int | None:
-        """Find the one of `views` that conflicts with `view`, and with the rest: its index, or None.
+        """Index of the one of `views` that conflicts with `view`, and with the rest, or None.
 
         Without it the rest and `view` agree, and clearly better than all of `views` agree with it.
         """
@@ -144,9 +120,11 @@ class Consistency:
         for i in range(len(views)):
             rest = [*views[:i], *views[i + 1 :]]
             without = self.fit_trial(rest, whole)
-            # The points of `view` add to the squared error of the rest.
-            if without is not None and self._rms_with_perfect(without, view) > largest:
-                continue
+            if without is not None:
+                # The points of `view` add to the squared error of the rest: here, as if they had none.
+                count = sum(u.sum() for u in without.used) + len(self._thin(view))
+                if np.sqrt(squared_errors(without).sum() / count) > largest:
+                    continue
             if not self.is_consistent(rest, view):
                 continue
             together = self.fit_trial([*rest, view])
@@ -154,13 +132,8 @@ class Consistency:
                 best = together.rms_inliers, i
         return best[1] if best is not None and best[0] <= largest else None
 
-    def _rms_with_perfect(self, calibration: Calibration, view: View) -> float:
-        """Error of a trial fit, px rms over the inliers, were the points of `view` added without error."""
-        count = sum(u.sum() for u in calibration.used) + len(self._thin(view))
-        return float(np.sqrt(squared_errors(calibration).sum() / count))
-
     def find_outlier_view(self, views: Sequence[View]) -> int | None:
-        """Find an accepted view that is not consistent with the others: its index, or None."""
+        """Index of an accepted view that is not consistent with the others, or None."""
         whole = self.fit(views)
         if whole is None or len(views) < 3:
             return None
@@ -177,9 +150,7 @@ class Consistency:
 
     def is_same_pose(self, one: View, other: View) -> bool:
         """True if two views show the board in one pose."""
-        if one.object_points.shape == other.object_points.shape and np.array_equal(
-            one.object_points, other.object_points
-        ):
+        if np.array_equal(one.object_points, other.object_points):
             distance = np.linalg.norm(one.image_points - other.image_points, axis=1)
         else:
             i, k = common_points(one, other)
@@ -190,7 +161,7 @@ class Consistency:
 
 
 def thin(view: View) -> View:
-    """Return the view with MAX_TRIAL_POINTS of its points, from all over it; itself if it has no more."""
+    """View with MAX_TRIAL_POINTS of its points, from all over it; itself if it has no more."""
     if len(view) <= MAX_TRIAL_POINTS:
         return view
     kept = np.linspace(0, len(view) - 1, MAX_TRIAL_POINTS).round().astype(np.int64)
@@ -198,7 +169,7 @@ def thin(view: View) -> View:
 
 
 def common_points(one: View, other: View) -> tuple[IntArray, IntArray]:
-    """List the points of the board that two views share: indices (m,) into each."""
+    """Indices (m,) of common points of the board in each of two views."""
     places = [np.round(view.object_points * 1e6) + 0.0 for view in (one, other)]  # -0.0 is 0.0
     index = {place.tobytes(): n for n, place in enumerate(places[0])}
     pairs = [(index[p.tobytes()], n) for n, p in enumerate(places[1]) if p.tobytes() in index]

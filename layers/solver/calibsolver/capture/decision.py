@@ -1,6 +1,7 @@
 """Values of a capture: the estimate after some views, exclusions of views, the decision about a view."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -9,16 +10,40 @@ from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
 from ..fitting.uncertainty import Uncertainty
 from ..guidance.hints import Hint
+from ..quality.model_selection import suggest_model
 from ..quality.systematic import probable_cause
 from ..view import View
 from .admission import Reason
-from .advice import Advice
+from .consistency import thin
 from .ending import EndReason, History
 
 
 @dataclass(frozen=True)
+class Advice:
+    """Advice to the user about a whole capture."""
+
+    code: str
+    text: str
+
+
+LIMIT_REACHED = Advice(
+    "limit_reached",
+    "So many views are in that more would hardly help; the error that was aimed for is not reached.",
+)
+
+
+def find_better_model(views: Sequence[View], calibration: Calibration) -> str | None:
+    """Model that explains the views better than that of their `calibration`, or None."""
+    model = calibration.camera.model
+    if len(views) >= 3:
+        with suppress(CalibrationError):
+            model = suggest_model([thin(view) for view in views], calibration.camera.img_size).model
+    return model if model != calibration.camera.model else None
+
+
+@dataclass(frozen=True)
 class Exclusion:
-    """Exclusion of an accepted view from the fit: a reason for programs, a sentence for people."""
+    """Exclusion of an accepted view from the fit."""
 
     reason: Literal["outlier", "disagrees"]
     detail: str
@@ -34,12 +59,12 @@ EXCLUDED_MINORITY = Exclusion("disagrees", "More views agree with each other tha
 
 
 REFUSAL_HINTS: Mapping[Reason, Hint] = {
-    "too_few_points": Hint.of("show_more"),
-    "degenerate": Hint.of("closer"),
-    "mirrored": Hint.of("unmirror"),
-    "outlier": Hint.of("hold_still"),
+    "too_few_points": Hint("show_more"),
+    "degenerate": Hint("closer"),
+    "mirrored": Hint("unmirror"),
+    "outlier": Hint("hold_still"),
 }
-"""Hint after a refusal that does not depend on the target."""
+"""Hints that do not depend on the target."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,19 +80,18 @@ class Estimate:
     uncertainty
         Predicted error of a projection over the image, px.
     progress
-        0 to 1; 1 where converged. It follows the predicted error and the number of views, so it grows with
-        every view that brings information; it may fall with one that shows more noise than was seen before.
+        0 to 1; 1 if converged. It may fall with a view that shows more noise than was seen before.
     end
-        Reason why the capture ends here; None: it continues. ``target``: four views are in, the predicted rms
-        is below the target, and the last view was as far off as predicted; ``plateau``: the error has stopped
-        falling although the views are held at their targets; ``limit``: fifteen views are in;
-        ``nothing_new``: only duplicates are shown; ``asked``: the user ended it.
+        ``target``: the predicted rms is below the target, and the last view was as far off as predicted;
+        ``plateau``: the error has stopped falling although the views are held at their targets; ``limit``: as
+        many views as count are in; ``nothing_new``: only duplicates are shown; ``asked``: the user ended it;
+        None: the capture continues.
     excluded
-        Exclusions by index of the view.
-    advice, suggested_model
-        Advice to the user; the model that explains the views where this one is too simple.
+        By index of the view.
+    suggested_model
+        Model that explains the views if this one is too simple.
     coverage
-        Part of the image that the board has shown, and the error there; None without a calibration.
+        Part of the image that the board has shown, and the error there.
     """
 
     calibration: Calibration | None
@@ -86,14 +110,10 @@ class Estimate:
         return self.end is not None
 
     def with_cause(self, views: Sequence[View]) -> "Estimate":
-        """Add the probable cause of systematic residuals to the advice, first, if it is noticeable.
+        """Estimate with the probable cause of systematic residuals as first advice, if it is noticeable.
 
-        Parameters
-        ----------
-        views
-            All views, the excluded ones too.
-
-        A model that is suggested already stays the cause, unless another explains most of the residuals.
+        `views` are all. A model that is suggested already stays the cause, unless another explains most of
+        the residuals.
         """
         if self.calibration is None:
             return self
@@ -115,10 +135,6 @@ class ViewDecision:
 
     Attributes
     ----------
-    accepted
-        True if the view is accepted; if so `estimate` counts it.
-    reason, hint
-        Reason of a refusal, and its remedy.
     on_target
         True if an accepted view was held at its target; None if there was no target.
     quarantine
@@ -136,8 +152,8 @@ class ViewDecision:
     seed_rejected: bool = False
 
     def after(self, history: History) -> History:
-        """History of the capture after this decision, given the `history` before it."""
+        """History of the capture after this decision."""
         if self.estimate is None:
             return replace(history, duplicates=history.duplicates + (self.reason == "duplicate"))
         u = self.estimate.uncertainty
-        return History((*history.stated, u.rms if u else None), (*history.on_target, bool(self.on_target)))
+        return history.with_view(bool(self.on_target), u.rms if u else None)

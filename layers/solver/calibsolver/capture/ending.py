@@ -15,36 +15,28 @@ MAX_VIEWS = 15
 MIN_PLATEAU_VIEWS = 10
 """Views that count before the stated error may have reached its plateau."""
 PLATEAU_SPAN = 3
-"""Views over which the stated error is compared."""
 MIN_PROGRESS = 0.85
-"""Smallest stated error / the smallest `PLATEAU_SPAN` views earlier. Above it there is no progress."""
+"""Smallest stated error / the smallest `PLATEAU_SPAN` views earlier, above which there is no progress."""
 MAX_ABOVE_BEST = 1.3
-"""Largest ratio of the stated error to the smallest so far with which a capture ends at a plateau."""
+"""Stated error / the smallest so far, up to which a capture ends at a plateau."""
 MAX_DUPLICATES = 6
-"""Duplicates in a row that end a capture: nothing new is shown."""
 
 
 @dataclass(frozen=True)
 class History:
     """Course of a capture so far.
 
-    Attributes
-    ----------
-    stated
-        Error stated after each accepted view, px; None if there was no fit.
-    on_target
-        True for each accepted view that was held at its target.
-    duplicates
-        Views refused as duplicates since the last accepted one.
+    `stated`: px, error after each accepted view, None without a fit. `on_target`: whether each was held at
+    its target. `duplicates`: views refused as such since the last accepted one.
     """
 
     stated: tuple[float | None, ...] = ()
     on_target: tuple[bool, ...] = ()
     duplicates: int = 0
 
-    def with_view(self, on_target: bool) -> "History":
-        """History with one more accepted view, whose error is not stated yet."""
-        return History((*self.stated, None), (*self.on_target, on_target))
+    def with_view(self, on_target: bool, stated: float | None = None) -> "History":
+        """History with one more accepted view."""
+        return History((*self.stated, stated), (*self.on_target, on_target))
 
     def has_plateau(self, stated: float, count: int) -> bool:
         """True if the error, `stated` after the last view, has stopped falling; `count` views count."""

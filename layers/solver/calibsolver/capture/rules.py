@@ -3,14 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from .. import deadline, models, rotation
 from ..board import Board
 from ..camera import Camera
-from ..errors import undetermined
+from ..errors import format_factor, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
 from ..fitting.resection import reprojection_score
@@ -18,31 +17,32 @@ from ..fitting.uncertainty import Uncertainty
 from ..guidance import GUIDES, MIN_NOISE_WIDTHS, IntrinsicsPosterior, PoseSelection
 from ..guidance.hints import Placement, largest_difference
 from ..guidance.target import TargetPose
-from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
+from ..quality.cross_validation import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
-from .admission import Reason, rejection_reason
-from .advice import LIMIT_REACHED, describe_disagreement, find_better_model
-from .consistency import Consistency
+from .admission import Reason, is_posed, is_usable, rejection_reason
+from .consistency import MAX_OUTVOTED_VIEWS, Consistency
 from .decision import (
     EXCLUDED_MINORITY,
+    EXCLUDED_OUTLIER,
+    LIMIT_REACHED,
     REFUSAL_HINTS,
+    Advice,
     Estimate,
     Exclusion,
     ViewDecision,
+    find_better_model,
 )
 from .ending import MAX_VIEWS, MIN_VIEWS, NO_HISTORY, EndReason, History
-from .exclusion import exclude_outliers, resolve_conflict
-from .seed import is_posed, is_usable
 
 MAX_POINTS = 20_000
-"""Points of all views with which it ends likewise: where the whole board would be one view too many."""
+"""Points of all views with which a capture ends."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
-"""Noise of a corner's coordinate / image width; no detector has more in a picture that shows markers."""
-MAX_ADVICE_S = 1.0
-"""Time to find another model, if the time is limited."""
+"""Noise of a corner's coordinate / image width; no detector of markers has more."""
+MAX_ADVICE_S = MAX_CONFLICT_S = 1.0
+"""Times for another model, and for views that conflict with others, if the time is limited."""
 MAX_RUNNING_PROGRESS = 0.95
 MIN_GAIN_SHARE = 0.2
-"""Share of the gain predicted for the target from which a view counts as held at the target."""
+"""Share of the target's gain from which a view counts as held at the target."""
 
 
 class Capture:
@@ -50,10 +50,6 @@ class Capture:
 
     Parameters
     ----------
-    board, img_size, model
-        The board, width and height of the image (px), and the distortion model's name.
-    guidance
-        One of `guidance.GUIDES`.
     target_error
         px, predicted rms projection error over the image at which the capture ends.
     seed
@@ -88,37 +84,14 @@ class Capture:
         self._initial_rms = 0.03 * self.img_size[0]
         self._initial_camera = IntrinsicsPosterior.of(self.model, self.img_size, None, self.seed).camera
 
-    @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> "Capture":
-        """Capture of a session's plain values; other members are ignored.
-
-        Parameters
-        ----------
-        record
-            `board` (see `Board.from_record`), `img_size`, `distortion_model`, `guidance`, `target_error`,
-            `capture` (``live`` or ``recorded``; missing: live), `rig` (None or missing: none; a rig ends its
-            captures), and `prior`, the seed as a calibration record (see `Camera.from_record`), or None.
-        """
-        w, h = record["img_size"]
-        seed = record.get("prior")
-        return cls(
-            Board.from_record(record["board"]),
-            (w, h),
-            model=record["distortion_model"],
-            guidance=record["guidance"],
-            target_error=record["target_error"],
-            seed=Camera.from_record(seed) if seed is not None else None,
-            recorded=record.get("capture") == "recorded" or record.get("rig") is not None,
-        )
-
     def without_seed(self) -> "Capture":
-        """Make the same capture without a seed."""
+        """Same capture without a seed."""
         return Capture(
             self.board, self.img_size, self.model, self.guidance, self.target_error, None, self.recorded
         )
 
     def camera(self, estimate: Estimate | None) -> Camera:
-        """Camera to draw with: the estimate's, or the initial one where there is none."""
+        """Camera to draw with: the estimate's, or the initial one."""
         if estimate is None or estimate.calibration is None:
             return self._initial_camera
         return estimate.calibration.camera
@@ -129,7 +102,7 @@ class Capture:
         excluded: Mapping[int, Exclusion] | None = None,
         history: History = NO_HISTORY,
     ) -> Estimate:
-        """Fit the views that are not `excluded`; where that fails the estimate has no calibration.
+        """Fit the views that are not `excluded`; if that fails the estimate has no calibration.
 
         `history`: course of the capture up to the last of the views.
         """
@@ -142,14 +115,18 @@ class Capture:
         for i, error in zip(active, calibration.view_errors, strict=True):
             errors[i] = float(error)
         for i in excluded:
-            errors[i] = self._resection_error(calibration.camera, views[i])
-        u = self._uncertainty(calibration)
+            error = float(reprojection_score(calibration.camera, [views[i]]).rms)
+            errors[i] = error if np.isfinite(error) else None
+        # Residuals smaller than any detector's are chance, or copies of one view: they count as its noise.
+        factor = max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
+        stated = calibration.uncertainty()
+        u = Uncertainty(stated.rms * factor, stated.max * factor)
         span = np.log(self._initial_rms / self.target_error)
         near = float(np.clip(np.log(self._initial_rms / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
         progress = max(min(0.95 * near, len(active) / MIN_VIEWS), len(active) / MAX_VIEWS)
         progress = min(progress, MAX_RUNNING_PROGRESS)
         coverage = Coverage.of(calibration, [views[i] for i in active])
-        coverage = replace(coverage, rms=coverage.rms * self._noise_factor(calibration))
+        coverage = replace(coverage, rms=coverage.rms * factor)
         estimate = Estimate(calibration, tuple(errors), u, progress, excluded=excluded, coverage=coverage)
         end = self._end_reason(views, estimate, history)
         if end is None:
@@ -160,7 +137,7 @@ class Capture:
     def _end_reason(
         self, views: Sequence[View], estimate: Estimate, history: History, *, is_predicted: bool = True
     ) -> EndReason | None:
-        """Reason to end with this estimate; `is_predicted`: the last view was as far off as predicted."""
+        """Reason to end here; `is_predicted`: the last view was as far off as predicted."""
         if self.recorded or estimate.uncertainty is None:
             return None
         active = [view for i, view in enumerate(views) if i not in estimate.excluded]
@@ -185,7 +162,7 @@ class Capture:
             if i not in keep and self.consistency.is_consistent([views[k] for k in keep], views[i]):
                 keep.append(i)
         left_out = {i: excluded.get(i, EXCLUDED_MINORITY) for i in range(len(views)) if i not in keep}
-        return self.estimate(views, exclude_outliers(self.consistency, views, left_out)).with_cause(views)
+        return self.estimate(views, self._exclude_outliers(views, left_out)).with_cause(views)
 
     def next_target(
         self,
@@ -194,10 +171,10 @@ class Capture:
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
     ) -> TargetPose:
-        """Choose the next target pose.
+        """Next target pose.
 
         Targets `skipped` since the last view make it an easier one that differs from them; targets
-        `unreached` before the last view limit how hard a pose is asked for.
+        `unreached` before limit how hard a pose is asked for.
         """
         active = [view for i, view in enumerate(views) if i not in estimate.excluded]
         return self.guide.next_pose(active, estimate.calibration, skipped, unreached)
@@ -208,6 +185,7 @@ class Capture:
         return target.redrawn(self.board, drawn)
 
     @undetermined()
+    @np.errstate(all="ignore")  # hostile numbers end in a refusal, not in a warning
     def judge(
         self,
         views: Sequence[View],
@@ -224,17 +202,15 @@ class Capture:
         Parameters
         ----------
         target
-            The open target pose; None for a recorded view, which has none.
+            None for a recorded view.
         excluded
             Exclusions of accepted views, by index.
         quarantined
             Refused views that were kept (`ViewDecision.quarantine`).
-        history
-            Course of the capture so far.
         explain
             False: the estimate has no advice. `explain` adds it later, once for several recorded views.
         """
-        excluded = dict(excluded or {})
+        excluded_before = excluded = excluded or {}
         reason = rejection_reason(view, self.img_size)
         if reason is not None:
             return self._refuse(reason, view, target)
@@ -242,46 +218,25 @@ class Capture:
             fresh = self.without_seed()
             first = None if target is None else fresh.next_target([], fresh.estimate([]))
             return replace(fresh.judge([], first, view, explain=explain), seed_rejected=True)
-        with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
-            return self._decide(list(views), target, view, excluded, quarantined, history, explain)
-
-    def explain(self, views: Sequence[View], estimate: Estimate) -> Estimate:
-        """Add advice to an estimate of recorded `views`, the last of which was just judged without it."""
-        active = [view for i, view in enumerate(views[:-1]) if i not in estimate.excluded]
-        before = self.consistency.fit(active)
-        return self._check_prediction(views, estimate, before, {}, NO_HISTORY, every=1).with_cause(views)
-
-    def _decide(
-        self,
-        views: list[View],
-        target: TargetPose | None,
-        view: View,
-        excluded: dict[int, Exclusion],
-        quarantined: Sequence[View],
-        history: History,
-        explain: bool,
-    ) -> ViewDecision:
-        active = [i for i in range(len(views)) if i not in excluded]
-        others = [views[i] for i in active]
+        others = [views[i] for i in range(len(views)) if i not in excluded]
         before = self.consistency.fit(others)
         gain = IntrinsicsPosterior.of(self.model, self.img_size, before, self.seed).view_gain(view)
         if gain is None:
             return self._refuse("outlier", view, target)
-        all_views, excluded_before = [*views, view], dict(excluded)
+        all_views = [*views, view]
         if not self.consistency.is_consistent(others, view):
-            resolved = resolve_conflict(self.consistency, views, view, excluded, quarantined)
+            resolve = partial(self._resolve_conflict, views, view, excluded, quarantined)
+            resolved = deadline.compute_within(MAX_CONFLICT_S, resolve, None)
             if resolved is None:
                 quarantine = bool(others) and self.consistency.is_consistent([], view)
                 return replace(self._refuse("outlier", view, target), quarantine=quarantine)
             excluded = resolved
         elif target is not None and (refusal := self._redundancy(target, others, view)):
             return self._refuse(refusal, view, target, before)
-        on_target = (
-            None
-            if target is None
-            else isinstance(self.guide, PoseSelection) or gain >= MIN_GAIN_SHARE * target.gain
-        )
-        left_out = exclude_outliers(self.consistency, all_views, excluded)
+        on_target = None
+        if target is not None:
+            on_target = isinstance(self.guide, PoseSelection) or gain >= MIN_GAIN_SHARE * target.gain
+        left_out = self._exclude_outliers(all_views, excluded)
         history = history.with_view(bool(on_target))
         estimate = self.estimate(all_views, left_out, history)
         if estimate.calibration is None or len(views) in left_out:
@@ -290,6 +245,12 @@ class Capture:
             estimate = self._check_prediction(all_views, estimate, before, excluded_before, history)
             estimate = estimate.with_cause(all_views)
         return ViewDecision(True, None, estimate, on_target=on_target)
+
+    def explain(self, views: Sequence[View], estimate: Estimate) -> Estimate:
+        """Add advice to an estimate of recorded `views`, the last of which was just judged without it."""
+        active = [view for i, view in enumerate(views[:-1]) if i not in estimate.excluded]
+        before = self.consistency.fit(active)
+        return self._check_prediction(views, estimate, before, {}, NO_HISTORY, every=1).with_cause(views)
 
     def _check_prediction(
         self,
@@ -300,10 +261,10 @@ class Capture:
         history: History,
         every: int = MIN_VIEWS,
     ) -> Estimate:
-        """Compare the error of the last view with the predicted one: if they differ, the capture continues.
+        """Continue the capture if the error of the last view differs from the predicted one.
 
-        Then, and where views are newly excluded, and where the corners are far noisier than any detector's,
-        the model may be too simple: others are tried. Noise makes them be tried after `every` so many views.
+        Then, and if views are newly excluded, and if the corners are far noisier than any detector's
+        (after `every` so many views), the model may be too simple: others are tried.
         """
         calibration, last = estimate.calibration, len(views) - 1
         if before is None or calibration is None or isinstance(self.guide, PoseSelection):
@@ -319,43 +280,67 @@ class Capture:
         if not (disagrees or noisy or len(estimate.excluded) > len(excluded_before)):
             return estimate
         better = deadline.compute_within(MAX_ADVICE_S, partial(find_better_model, views, calibration), None)
-        advice = (*estimate.advice, *describe_disagreement(ratio if disagrees else None, better))
-        estimate = replace(estimate, advice=advice, suggested_model=better)
+        advice = list(estimate.advice)
+        if disagrees:
+            text = f"The last view lies {format_factor(ratio)} as far off as was predicted"
+            text += "; more views will tell."
+            advice.append(Advice("prediction_disagrees", text))
+        if better is not None:
+            text = f"This lens bends more than the model can; {better} explains it better."
+            advice.append(Advice("model_too_simple", text))
+        estimate = replace(estimate, advice=tuple(advice), suggested_model=better)
         if not disagrees or estimate.end != "target":
             return estimate
         end = self._end_reason(views, estimate, history, is_predicted=False)
         return replace(estimate, end=end, progress=estimate.progress if end else MAX_RUNNING_PROGRESS)
 
+    def _resolve_conflict(
+        self,
+        views: Sequence[View],
+        view: View,
+        excluded: Mapping[int, Exclusion],
+        quarantined: Sequence[View],
+    ) -> dict[int, Exclusion] | None:
+        """Exclusions of `views` that let `view` stay; None if `view` itself is wrong."""
+        active = [i for i in range(len(views)) if i not in excluded]
+        if not active or not self.consistency.is_consistent([], view):
+            return None
+        wrong = self.consistency.find_conflicting_view([views[i] for i in active], view)
+        if wrong is not None:
+            return {**excluded, active[wrong]: EXCLUDED_OUTLIER}
+        outvoted = min(len(active), MAX_OUTVOTED_VIEWS)
+        group = self.consistency.find_consistent_views(view, [*quarantined, *views], outvoted)
+        if len(group) <= outvoted:
+            return None
+        members = {id(member) for member in group}
+        return {
+            i: excluded.get(i, EXCLUDED_MINORITY) for i, other in enumerate(views) if id(other) not in members
+        }
+
+    def _exclude_outliers(
+        self, views: Sequence[View], excluded: Mapping[int, Exclusion]
+    ) -> dict[int, Exclusion]:
+        result = dict(excluded)
+        while True:
+            active = [i for i in range(len(views)) if i not in result]
+            find = partial(self.consistency.find_outlier_view, [views[i] for i in active])
+            wrong = deadline.compute_within(MAX_CONFLICT_S, find, None)
+            if wrong is None:
+                return result
+            result[active[wrong]] = EXCLUDED_OUTLIER
+
     def _redundancy(self, target: TargetPose, others: Sequence[View], view: View) -> Reason | None:
-        """Reason to refuse a live view that agrees with the `others`; None if it is accepted."""
         if isinstance(self.guide, PoseSelection):  # the published method accepts views that reach its target
             return None if self.guide.is_reached(target, view) else "no_information"
         return "duplicate" if any(self.consistency.is_same_pose(view, other) for other in others) else None
 
-    def _uncertainty(self, calibration: Calibration) -> Uncertainty:
-        """Predicted error of the calibration, px.
-
-        Residuals smaller than any detector's are chance, or copies of one view: they count as its noise.
-        """
-        u, factor = calibration.uncertainty(), self._noise_factor(calibration)
-        return Uncertainty(u.rms * factor, u.max * factor)
-
-    def _noise_factor(self, calibration: Calibration) -> float:
-        return max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
-
-    def _resection_error(self, camera: Camera, view: View) -> float | None:
-        """Rms of the view with only its pose fitted, px; None if it has no pose."""
-        error = float(reprojection_score(camera, [view]).rms)
-        return error if np.isfinite(error) else None
-
     def _refuse(
         self, reason: Reason, view: View, target: TargetPose | None, before: Calibration | None = None
     ) -> ViewDecision:
-        """Refuse the view with a hint how to do better."""
         if reason in REFUSAL_HINTS or target is None:
             return ViewDecision(False, reason, None, REFUSAL_HINTS.get(reason))
         camera = before.camera if before else self._initial_camera
         pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])
-        placement = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
+        placement = Placement.of(self.board, camera, target.r, target.tvec)
         return ViewDecision(False, reason, None, largest_difference(actual, placement, self.img_size[0]))

@@ -1,18 +1,15 @@
-"""Candidate poses of the board: sampling, and tests whether a person can hold and a camera can see them."""
+"""Candidate poses of the board that a person can hold and a camera can see."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from .. import models
+from .. import models, rotation
 from ..arrays import Array, IntArray, Mask
 from ..board import Board
 from ..camera import Camera
 from ..fitting.normal_equations import Poses
-from ..rotation import rotation_to_ray
 
-DIMENSIONS = 6
 MAX_OUTSIDE_VIEW_DEG = 15.0
 """Angle by which a part of the board may lie outside the field of view."""
 
@@ -24,15 +21,13 @@ class PoseLimits:
     Attributes
     ----------
     width
-        Smallest and largest apparent length of the board's longer side / the image's longer side.
+        Smallest and largest apparent length of the board's longer side / the image's.
     max_tilt_deg
-        Angle between the board's normal and the line of sight to its centre, degrees.
-    max_roll_deg
-        Rotation in the picture, degrees.
+        Angle between the board's normal and the line of sight to its centre.
     min_visible
         Share of the corners that a detector is expected to find.
     max_incidence_deg
-        Angle between a ray and the board's normal, degrees: beyond it corners blur.
+        Angle between a ray and the board's normal, beyond which corners blur.
     min_spacing
         Distance of neighbouring corners / image width.
     border
@@ -56,14 +51,12 @@ class CornerGrid:
     ----------
     points
         (3, n) board frame, squares, row by row.
-    rows, columns
-        Numbers of rows and columns.
     step
         Largest distance of neighbours, squares, across and down.
     multiplicity
         Corners of the board that each of these stands for.
     support
-        (g, m, 2, n) what a camera must see to find each (`Board.support`), squares right and down of it.
+        (g, m, 2, n) what a camera must see to find each (`Board.support`), relative to it.
     """
 
     points: Array
@@ -77,8 +70,9 @@ class CornerGrid:
     def of(cls, board: Board, max_columns: int | None) -> "CornerGrid":
         """All corners of a board, or evenly spaced ones in at most `max_columns`, and one row less."""
         rows, columns = board.lattice.shape
-        x = np.arange(columns) if max_columns is None else subsample(columns, max_columns)
-        y = np.arange(rows) if max_columns is None else subsample(rows, max_columns - 1)
+        x, y = np.arange(columns), np.arange(rows)
+        if max_columns is not None:
+            x, y = subsample(columns, max_columns), subsample(rows, max_columns - 1)
         ids = board.lattice[y][:, x]
         kept = board.points[ids]
         step = (float(np.diff(kept[0, :, 0]).max()), float(np.diff(kept[:, 0, 1]).max()))
@@ -89,62 +83,38 @@ class CornerGrid:
 
 
 def subsample(count: int, max_count: int) -> IntArray:
-    """Choose at most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64))
+    """At most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
+    return np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64)
 
 
 def r_sequence(count: int, offset: int) -> Array:
-    """Low-discrepancy points (count, 6) of the unit cube: a Kronecker sequence, Roberts' R6 (2018).
-
-    Different `offset` give different parts of the sequence.
-    """
-    root = 2.0
-    for _ in range(40):  # positive root of x^7 = x + 1
-        root = (1 + root) ** (1 / (DIMENSIONS + 1))
-    alpha = root ** -np.arange(1.0, DIMENSIONS + 1)
-    points: Array = (0.5 + (np.arange(count)[:, None] + 1 + offset * count) * alpha) % 1.0
-    return points
+    """Low-discrepancy points (count, 6) of the unit cube: a Kronecker sequence, Roberts' R6 (2018)."""
+    root = 1.1127756842787055  # of x^7 = x + 1
+    alpha = root ** -np.arange(1.0, 7.0)
+    return np.asarray((0.5 + (np.arange(count)[:, None] + 1 + offset * count) * alpha) % 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class RayGrid:
-    """Rays on a grid over the image of one camera, to interpolate: a candidate's centre need not be exact.
+    """Unit rays (rows, columns, 3), or NaN, from corner to corner of an image, to interpolate.
 
-    Attributes
-    ----------
-    rays
-        (rows, columns, 3) unit rays from corner to corner of the image; NaN where there is none.
-    focal
-        Focal length along x, px per radian at the axis.
-    img_size
-        Width and height, px.
+    A candidate's centre need not be exact. `focal`: px per radian at the axis, along x.
     """
 
     rays: Array
     focal: float
     img_size: tuple[int, int]
 
-    @cached_property
-    def min_cos_angle(self) -> float:
-        """Cosine of the largest angle from the axis at which a part of the board may be.
-
-        A board may extend beyond the picture by MAX_OUTSIDE_VIEW_DEG, but not lie next to the camera.
-        """
-        half_view = np.degrees(np.arccos(np.nanmin(self.rays[:, :, 2])))
-        return float(np.cos(np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))))
-
     @classmethod
-    def of(cls, camera: Camera, grid: tuple[int, int] = (17, 13)) -> "RayGrid":
-        """Grid of (columns, rows) rays of a camera."""
-        x, y = (np.linspace(-0.5, size - 0.5, n) for size, n in zip(camera.img_size, grid, strict=True))
+    def of(cls, camera: Camera) -> "RayGrid":
+        """Rays of a camera."""
+        w, h = camera.img_size
+        x, y = np.linspace(-0.5, w - 0.5, 17), np.linspace(-0.5, h - 0.5, 13)
         rays = models.get(camera.model).unproject(camera.intrinsics, np.stack(np.meshgrid(x, y)))
         return cls(np.ascontiguousarray(rays.transpose(1, 2, 0)), camera.focal[0], camera.img_size)
 
     def interpolate(self, x: Array, y: Array) -> Array:
-        """Interpolate unit rays (c, 3) at shares x, y (c,) in [0, 1] of the image's width and height.
-
-        NaN where there is no ray.
-        """
+        """Unit rays (c, 3), or NaN, at shares x, y (c,) in [0, 1] of the image's width and height."""
         rows, columns, _ = self.rays.shape
         x, y = x * (columns - 1), y * (rows - 1)
         i, j = np.minimum(x.astype(int), columns - 2), np.minimum(y.astype(int), rows - 2)
@@ -152,12 +122,11 @@ class RayGrid:
         upper = self.rays[j, i] * (1 - a) + self.rays[j, i + 1] * a
         lower = self.rays[j + 1, i] * (1 - a) + self.rays[j + 1, i + 1] * a
         ray = upper * (1 - b) + lower * b
-        unit: Array = ray / np.sqrt(np.einsum("ci,ci->c", ray, ray))[:, None]
-        return unit
+        return np.asarray(ray / np.sqrt(np.einsum("ci,ci->c", ray, ray))[:, None])
 
 
 def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseLimits) -> Poses:
-    """Map points (c, 6) of the unit cube to poses (c): centre x, y, width, tilt, azimuth of the tilt, roll.
+    """Poses (c) of points (c, 6) of the unit cube: centre x, y, width, tilt, azimuth of the tilt, roll.
 
     A pose whose centre has no ray gets NaN translations.
     """
@@ -166,43 +135,29 @@ def poses_from_unit_cube(unit: Array, board: Board, rays: RayGrid, limits: PoseL
     tilt, length = np.radians(tilt), width * max(rays.img_size)
     azimuth = 2 * np.pi * unit[:, 4]
     roll = np.radians(limits.max_roll_deg) * (2 * concentrate_centre(unit[:, 5]) - 1)
-    if needs_quarter_turn(board, rays.img_size):
+    (width_px, height_px), (columns, rows) = rays.img_size, board.size
+    if (columns - rows) * (width_px - height_px) < 0:  # the longer side of the board along the image's
         roll = roll + np.pi / 2
-    r = rotation_to_ray(ray) @ tilt_roll_rotation(tilt, azimuth, roll)
+    zero = np.zeros(len(unit))
+    tilted = rotation.matrix(np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth), zero], axis=1))
+    rolled = rotation.matrix(np.stack([zero, zero, roll], axis=1))
+    r = rotation.rotation_to_ray(ray) @ tilted @ rolled
     distance = rays.focal * max(board.size) / length
     center = board.outline.mean(axis=0)
     return Poses(r, ray * distance[:, None] - r @ center)
 
 
-def tilt_roll_rotation(tilt: Array, azimuth: Array, roll: Array) -> Array:
-    """Rotations (c, 3, 3): by a roll about z, then by a tilt about the axis at an azimuth in the picture."""
-    ct, st, ca, sa = np.cos(tilt), np.sin(tilt), np.cos(azimuth), np.sin(azimuth)
-    cr, sr = np.cos(roll), np.sin(roll)
-    one = 1 - ct
-    a, b, c = ct + ca * ca * one, ca * sa * one, ct + sa * sa * one
-    r = np.empty((len(tilt), 3, 3))
-    r[:, 0, 0], r[:, 0, 1], r[:, 0, 2] = a * cr + b * sr, b * cr - a * sr, sa * st
-    r[:, 1, 0], r[:, 1, 1], r[:, 1, 2] = b * cr + c * sr, c * cr - b * sr, -ca * st
-    r[:, 2, 0], r[:, 2, 1], r[:, 2, 2] = ca * st * sr - sa * st * cr, ca * st * cr + sa * st * sr, ct
-    return r
-
-
 def tilt_and_width_from_unit_cube(unit: Array, limits: PoseLimits) -> tuple[Array, Array]:
-    """Map points (c, 6) of the unit cube to tilts (c,), degrees, and widths (c,), board / image.
+    """Tilts (c,), degrees, and widths (c,), board / image.
 
-    Close and tilted poses carry most information: they are sampled more densely.
+    Large ones, which carry most information, are denser.
     """
     low, high = limits.width
     return limits.max_tilt_deg * np.sqrt(unit[:, 3]), low + (high - low) * np.sqrt(unit[:, 2])
 
 
-def needs_quarter_turn(board: Board, img_size: tuple[int, int]) -> bool:
-    """True if the board must be turned by 90 degrees for its longer side to lie along the image's."""
-    return (board.size[0] - board.size[1]) * (img_size[0] - img_size[1]) < 0
-
-
 def concentrate_centre(u: Array) -> Array:
-    """Move points of [0, 1] towards its centre, where they become denser."""
+    """Points of [0, 1], moved so that they become denser in the centre."""
     v = 2 * u - 1
     return 0.5 + 0.5 * v * np.sqrt(np.abs(v))
 
@@ -210,22 +165,12 @@ def concentrate_centre(u: Array) -> Array:
 def check_visibility(
     p: Array, q: Array, axes: Array, corners: CornerGrid, camera: Camera, limits: PoseLimits
 ) -> tuple[Array, Mask]:
-    """Predict how probably corners (c, n) of poses are found, and test which poses (c,) respect the limits.
+    """Probability (c, n) that corners are found, and poses (c,) that respect the limits; others have 0.
 
-    A detector finds a corner if the image contains it and what identifies it, such as a marker next to it
-    (`Board.support`). A hand misses the pose: a point on the border of the image is seen in half of the
-    cases, one at `limits.border` from it always, or never.
-
-    Parameters
-    ----------
-    p
-        (c, 3, n) corners in the camera frame, squares.
-    q
-        (c, 2, n) their projections, px.
-    axes
-        (c, 3, 3) rotations of the boards, board -> camera.
-
-    Probabilities are 0 for poses that do not respect the other limits.
+    A detector finds a corner if the image contains it and what identifies it (`Board.support`). A hand
+    misses the pose: a point on the border of the image is seen in half of the cases, one at
+    `limits.border` from it always, or never. `p` (c, 3, n): corners in the camera frame; `q` (c, 2, n):
+    their pixels; `axes` (c, 3, 3): board -> camera.
     """
     model, w = models.get(camera.model), camera.img_size[0]
     border = limits.border * w
@@ -270,6 +215,8 @@ def is_in_front(poses: Poses, board: Board, rays: RayGrid) -> Mask:
     """True if all of the board, visible or not, is in front of the camera and faces it (c,)."""
     p = poses.r @ board.outline.T + poses.t[:, :, None]
     length = np.sqrt(np.einsum("cin,cin->cn", p, p))
-    front = (p[:, 2] / length).min(axis=1) >= rays.min_cos_angle
+    half_view = np.degrees(np.arccos(np.nanmin(rays.rays[:, :, 2])))
+    widest = np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))
+    front = (p[:, 2] / length).min(axis=1) >= np.cos(widest)
     front &= np.einsum("ci,cin->cn", poses.r[:, :, 2], p).min(axis=1) > 0
     return np.asarray(front, dtype=np.bool_)

@@ -1,7 +1,6 @@
 """Hints to the user: how to move the board from its last pose to the target."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -10,26 +9,7 @@ from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
 
-Code = Literal[
-    "first",
-    "closer",
-    "farther",
-    "left",
-    "right",
-    "up",
-    "down",
-    "tilt_top",
-    "tilt_bottom",
-    "tilt_left",
-    "tilt_right",
-    "turn_clockwise",
-    "turn_counterclockwise",
-    "show_more",
-    "hold_still",
-    "unmirror",
-]
-
-TEXTS: dict[Code, str] = {
+TEXTS = {
     "first": "Match the outline with the board",
     "closer": "Bring the board closer",
     "farther": "Move the board farther away",
@@ -47,8 +27,8 @@ TEXTS: dict[Code, str] = {
     "hold_still": "Hold the board still, and again",
     "unmirror": "Turn off the camera's mirroring",
 }
-"""At most six words each. Directions are those of the camera's picture: a page that mirrors its preview swaps
-left and right, and the sense of a turn."""
+"""Directions are those of the camera's image: a page that mirrors its preview swaps left and right, and the
+sense of a turn."""
 
 SHIFT_WIDTHS, LOG_DISTANCE, TILT_DEG, ROLL_DEG = 0.12, 0.15, 12.0, 20.0
 """Equally conspicuous differences: a shift / image width, a logarithm of distances, a tilt, a roll."""
@@ -56,31 +36,30 @@ SHIFT_WIDTHS, LOG_DISTANCE, TILT_DEG, ROLL_DEG = 0.12, 0.15, 12.0, 20.0
 
 @dataclass(frozen=True)
 class Hint:
-    """An instruction: a code for programs, an English text of at most six words for people."""
+    """Instruction to the user."""
 
-    code: Code
-    text: str
+    code: str
 
-    @classmethod
-    def of(cls, code: Code) -> "Hint":
-        """Hint with this code."""
-        return cls(code, TEXTS[code])
+    @property
+    def text(self) -> str:
+        """English text of at most six words."""
+        return TEXTS[self.code]
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Placement of a board in the picture, as a person describes it.
+    """Placement of a board in the image, as a person describes it.
 
     Attributes
     ----------
     center
-        (2,) px, of the board.
+        (2,) px.
     distance
         Squares, of its centre from the camera.
     normal
         (3,) away from the viewer, in a frame whose z axis is the line of sight to the centre.
     roll
-        Radians, clockwise in the picture.
+        Radians, clockwise in the image.
     """
 
     center: Array
@@ -101,11 +80,6 @@ class Placement:
             float(np.arctan2(upright[1, 0], upright[0, 0])),
         )
 
-    @property
-    def tilt(self) -> float:
-        """Degrees between the board's normal and the line of sight."""
-        return float(np.degrees(np.arccos(np.clip(self.normal[2], -1, 1))))
-
 
 def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
     """Hint at the largest difference between the `last` placement and the `target`; image `width` in px."""
@@ -114,7 +88,7 @@ def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
     tilt = np.degrees(target.normal[:2] - last.normal[:2]) / TILT_DEG
     roll = np.degrees(np.angle(np.exp(1j * (target.roll - last.roll)))) / ROLL_DEG
     # The picture's y axis points down; a normal that leans up means the top edge is the near one.
-    differences: list[tuple[float, Code, Code]] = [
+    differences = [
         (shift[0], "right", "left"),
         (shift[1], "down", "up"),
         (distance, "farther", "closer"),
@@ -123,4 +97,4 @@ def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
         (roll, "turn_clockwise", "turn_counterclockwise"),
     ]
     size, positive, negative = max(differences, key=lambda difference: abs(difference[0]))
-    return Hint.of(positive if size > 0 else negative)
+    return Hint(positive if size > 0 else negative)

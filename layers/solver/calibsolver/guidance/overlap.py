@@ -1,4 +1,4 @@
-"""Overlap of two areas of an image: the Jaccard index."""
+"""Overlap of two areas of an image."""
 
 import numpy as np
 
@@ -9,7 +9,6 @@ from ..view import View
 from .target import edge_points
 
 MASK_PX = 8
-"""Side of a mask's pixel, px of the image."""
 
 
 def jaccard_index(one: Array, other: Array, img_size: tuple[int, int]) -> float:
@@ -20,7 +19,7 @@ def jaccard_index(one: Array, other: Array, img_size: tuple[int, int]) -> float:
 
 
 def rasterize(polygon: Array, img_size: tuple[int, int]) -> Mask:
-    """Rasterize the inside of a polygon (m, 2) px, by the even-odd rule: (h / MASK_PX, w / MASK_PX)."""
+    """Mask (h / MASK_PX, w / MASK_PX) of the inside of a polygon (m, 2) px, by the even-odd rule."""
     w, h = img_size
     mask: Mask = np.zeros((-(-h // MASK_PX), -(-w // MASK_PX)), dtype=bool)
     if len(polygon) < 3:
@@ -32,12 +31,11 @@ def rasterize(polygon: Array, img_size: tuple[int, int]) -> Mask:
     fall = np.where(start[:, 1] == end[:, 1], 1.0, end[:, 1] - start[:, 1])
     x = start[:, 0] + (rows[:, None] - start[:, 1]) / fall * (end[:, 0] - start[:, 0])
     to_the_right = crossed[:, :, None] & (x[:, :, None] > columns)
-    inside: Mask = to_the_right.sum(axis=1) % 2 == 1
-    return inside
+    return np.asarray(to_the_right.sum(axis=1) % 2 == 1)
 
 
 def estimate_outline(board: Board, view: View) -> Array:
-    """Estimate the board's edge (m, 2) px from the corners of a view, by a homography."""
+    """Board's edge (m, 2) px, estimated from the corners of a view by a homography."""
     q = view.image_points
     middle, scale = q.mean(axis=0), max(float(np.abs(q - q.mean(axis=0)).max()), 1e-9)
     rays = np.concatenate([(q - middle) / scale, np.ones((len(q), 1))], axis=1)
@@ -47,5 +45,4 @@ def estimate_outline(board: Board, view: View) -> Array:
     edge_rays = np.concatenate([edge, np.ones((len(edge), 1))], axis=1) @ homography.h[0].T
     with np.errstate(all="ignore"):
         outline: Array = edge_rays[:, :2] / edge_rays[:, 2:] * scale + middle
-    front: Array = outline[(edge_rays[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
-    return front
+    return np.asarray(outline[(edge_rays[:, 2] > 0) & np.isfinite(outline).all(axis=1)])

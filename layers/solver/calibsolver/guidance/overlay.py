@@ -8,23 +8,23 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from .. import rotation
 from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
 from .target import TargetPose
 
 STRIDES_PX = (16, 8)
-"""Spacing of the rays that are computed; interpolation between them is right to a few hundredths of a pixel.
-The smaller one serves where the board reaches the end of the model's domain, and is drawn up to there."""
+"""Spacing of the rays that are computed; interpolated ones are right to a few hundredths of a pixel. The
+smaller one is used at the end of the model's domain."""
 OFF_BOARD = 1e4
-"""Texture coordinate of pixels without a board: outside it, and within the range of fixed-point maps."""
+"""Texture coordinate of pixels without a board: within the range of fixed-point maps."""
+MARGIN_PX = 4
 MIN_TEXTURE_PX_PER_SQUARE = 32
 TAG_BORDER = 2
-"""Width of the black frame of an AprilGrid's tag, cells: as Kalibr prints it; of other markers it is one."""
+"""Width of the black frame of an AprilGrid's tag, cells, as Kalibr prints it; of other markers it is one."""
 JPEG_QUALITIES = (45, 30, 15)
 MAX_PICTURE_PX = 12_000_000
-"""Pixels of a picture; a larger one is drawn smaller, in the same shape, and its reader scales it up."""
+"""A larger picture is drawn smaller, in the same shape, and its reader scales it up."""
 MAX_JPEG_BYTES = 60_000
 """Size from which a JPEG is coded again at the next lower quality."""
 
@@ -42,18 +42,16 @@ def render(
 ) -> bytes:
     """Picture of `drawn_size(camera.img_size)` with the board at the target pose, black elsewhere.
 
-    White squares are green and black ones magenta: two hues of similar brightness, made for the CSS blend
-    mode `color`, and no pixel of the board is black. PNG has an alpha channel that is 0 outside the board.
-    Where the model is not one-to-one nothing is drawn.
-
-    Raises ValueError for an unknown format.
+    White squares are green and black ones magenta, hues of similar brightness for the CSS blend mode
+    `color`; no pixel of the board is black. The alpha channel of a PNG is 0 outside the board. Nothing is
+    drawn where the model is not one-to-one. Raises ValueError for an unknown format.
     """
     if image_format not in ("jpeg", "png"):
         raise ValueError(f"unknown image format {image_format!r}")
     w, h = drawn = drawn_size(camera.img_size)
     scale = np.array(camera.img_size) / drawn
     canvas = np.zeros((h, w), dtype=np.uint8)
-    box = bounding_box(to_picture_px(target.outline, scale), drawn)
+    box = bounding_box(target.outline, scale, drawn)
     if box is not None:
         x0, y0, x1, y1 = box
         # Fixed-point maps are read twice as fast, to a 32nd of a pixel of the texture.
@@ -81,24 +79,17 @@ def drawn_size(img_size: tuple[int, int]) -> tuple[int, int]:
     """Width and height, px, at which the picture for an image of `img_size` is drawn."""
     w, h = img_size
     shrink = math.sqrt(min(1.0, MAX_PICTURE_PX / (w * h)))
-    return (w, h) if shrink == 1 else (max(1, math.floor(w * shrink)), max(1, math.floor(h * shrink)))
+    return max(1, math.floor(w * shrink)), max(1, math.floor(h * shrink))
 
 
-def to_picture_px(points: Array, scale: Array) -> Array:
-    """Convert px of the image (m, 2) to those of a picture `scale` (2,) times smaller."""
-    picture_px: Array = (points + 0.5) / scale - 0.5
-    return picture_px if len(points) else points
-
-
-def bounding_box(outline: Array, img_size: tuple[int, int]) -> tuple[int, int, int, int] | None:
-    """Bounding box (x0, y0, x1, y1) of an outline (m, 2) with a margin, in the image; None outside it."""
-    w, h = img_size
+def bounding_box(outline: Array, scale: Array, size: tuple[int, int]) -> tuple[int, int, int, int] | None:
+    """Bounding box (x0, y0, x1, y1) of an image's outline (m, 2), with a margin, in the picture; or None."""
     if not len(outline):
         return None
-    margin = 4
-    low, high = outline.min(axis=0), outline.max(axis=0)
-    x0, y0 = (int(np.clip(np.floor(v) - margin, 0, s)) for v, s in zip(low, (w, h), strict=True))
-    x1, y1 = (int(np.clip(np.ceil(v) + margin + 1, 0, s)) for v, s in zip(high, (w, h), strict=True))
+    px = (outline + 0.5) / scale - 0.5
+    low = np.clip(np.floor(px.min(axis=0)) - MARGIN_PX, 0, size).astype(int)
+    high = np.clip(np.ceil(px.max(axis=0)) + MARGIN_PX + 1, 0, size).astype(int)
+    (x0, y0), (x1, y1) = low.tolist(), high.tolist()
     return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
 
@@ -120,8 +111,7 @@ def texture_coordinates(
 ) -> npt.NDArray[np.float32]:
     """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture if there are none.
 
-    The box is of a picture `scale` (2,) times smaller than the image. `corner`: where on the board the
-    texture begins.
+    The picture is `scale` (2,) times smaller than the image; the texture begins at `corner` of the board.
     """
     for stride in STRIDES_PX:
         coarse = (board_coordinates(camera, target, box, stride, scale) - corner[:2]) * square - 0.5
@@ -144,18 +134,14 @@ def texture_coordinates(
 def board_coordinates(
     camera: Camera, target: TargetPose, box: tuple[int, int, int, int], stride: int, scale: Array
 ) -> Array:
-    """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none.
-
-    `box` and `scale` as of `texture_coordinates`.
-    """
+    """Board coordinates (rows, columns, 2), squares, of every `stride`-th pixel; NaN where there are none."""
     x0, y0, x1, y1 = box
     columns, rows = -(-(x1 - x0) // stride) + 1, -(-(y1 - y0) // stride) + 1
     x, y = np.meshgrid(x0 + stride * np.arange(columns), y0 + stride * np.arange(rows))
     pixels = np.stack([x, y], axis=-1).reshape(-1, 2).astype(np.float64)
     ray = camera.unproject((pixels + 0.5) * scale - 0.5)
-    r = rotation.matrix(target.rvec)
     # The ray s v meets the plane z = 0 of the board at R'(s v - t).
-    v, t = ray @ r, r.T @ target.tvec
+    v, t = ray @ target.r, target.r.T @ target.tvec
     with np.errstate(divide="ignore", invalid="ignore"):
         s = t[2] / v[:, 2]
         xy: Array = np.where((s > 0)[:, None], s[:, None] * v[:, :2] - t[:2], np.nan)
@@ -169,7 +155,7 @@ def texture(board: Board) -> Picture:
 
 
 def draw_board(board: Board, square: int) -> Picture:
-    """Draw the whole board in black and white, without margin, `square` px per square or side of a tag."""
+    """Picture of the whole board, black and white, without margin; `square`: px per square or tag."""
     draw = {"charuco": _draw_charuco, "chessboard": _draw_chessboard, "aprilgrid": _draw_aprilgrid}[
         board.kind
     ]

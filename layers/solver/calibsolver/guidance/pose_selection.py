@@ -1,64 +1,134 @@
 """Pose selection as published: one parameter at a time, until the last view of each helped little.
 
 Rojtberg & Kuijper, "Efficient Pose Selection for Interactive Camera Calibration" (ISMAR 2018) and "User
-Guidance for Interactive Camera Calibration" (2019), as the papers describe it: plain least squares after each
-view, the parameter with the largest index of dispersion next, tilted views for the intrinsics, views of the
-most distorted part of the image for the coefficients. It is a baseline for the default guidance; its state
-follows from the views.
+Guidance for Interactive Camera Calibration" (2019): plain least squares after each view, the parameter
+with the largest index of dispersion next, tilted views for the intrinsics, views of the most distorted
+part of the image for the coefficients. It is a baseline for the default guidance.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .. import models, rotation
-from ..arrays import Array
-from ..board import Board
-from ..camera import Camera
+from .. import rotation
+from ..arrays import Array, Mask
+from ..camera import Camera, pixel_grid
 from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..view import View
-from .distorted_region import Box, find_next_region
 from .hints import Placement
 from .overlap import estimate_outline, jaccard_index
-from .target import TargetPose
+from .target import Guide, TargetPose
+
+CELL_PX = 20
+MIN_REGION_SHARE = 0.3
+MIN_COVERED_SHARE = 0.9
+"""Share of a region that earlier targets have covered, from which another region is sought."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """Rectangle of the image, as shares of its width and height."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+
+WHOLE_IMAGE = Box(0.0, 0.0, 1.0, 1.0)
+
+
+def find_next_region(camera: Camera, covered: Sequence[Box]) -> Box:
+    """Most distorted part of the image that is not yet `covered`; else the whole image.
+
+    The threshold on |distorted - undistorted| falls from 95 % of its largest value in steps of 5 % until a
+    connected region appears that is hardly covered.
+    """
+    w, h = camera.img_size
+    columns, rows = max(w // CELL_PX, 2), max(h // CELL_PX, 2)
+    strength = displacement(camera, columns, rows)
+    covered_cells = np.zeros((rows, columns), dtype=bool)
+    x, y = (np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows
+    for box in covered:
+        across = (x >= box.left) & (x <= box.left + box.width)
+        down = (y >= box.top) & (y <= box.top + box.height)
+        covered_cells |= down[:, None] & across[None]
+    largest = strength.max()
+    for percent in range(95, 0, -5):
+        for region in connected_regions(strength >= percent / 100 * largest):
+            if covered_cells[region].mean() < MIN_COVERED_SHARE:
+                return bounding_box(region)
+    return WHOLE_IMAGE
+
+
+def connected_regions(mask: Mask) -> Iterator[Mask]:
+    """Connected regions (8 neighbours) of a mask (rows, columns), from its top left."""
+    left = {(int(y), int(x)) for y, x in np.argwhere(mask)}
+    for first in sorted(left):
+        if first not in left:
+            continue
+        region, reached = np.zeros_like(mask), [first]
+        left.remove(first)
+        while reached:
+            y, x = reached.pop()
+            region[y, x] = True
+            near = {(y + dy, x + dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)} & left
+            left -= near
+            reached += near
+        yield region
+
+
+def displacement(camera: Camera, columns: int, rows: int) -> Array:
+    """Displacement of pixels by the distortion, px, on a grid (rows, columns).
+
+    It is relative to a pinhole camera of the same focal length. Pixels without a ray, or whose ray is
+    nearly perpendicular to the axis, get the largest displacement of all others.
+    """
+    q = pixel_grid(camera.img_size, (columns, rows)).reshape(2, -1).T
+    ray = camera.unproject(q)
+    center = camera.intrinsics[2:4]
+    with np.errstate(all="ignore"):
+        pinhole = ray[:, :2] / ray[:, 2:] * camera.focal + center
+        distance = np.linalg.norm(pinhole - q, axis=1)
+    distance = np.where(ray[:, 2] > 0.05, distance, np.nan)
+    largest = np.nanmax(distance) if np.isfinite(distance).any() else 1.0
+    return np.asarray(np.nan_to_num(distance, nan=largest).reshape(rows, columns))
+
+
+def bounding_box(region: Mask) -> Box:
+    """Bounding box of a region (rows, columns), enlarged to MIN_REGION_SHARE of the image."""
+    rows, columns = region.shape
+    y, x = np.nonzero(region)
+    left, right = x.min() / columns, (x.max() + 1) / columns
+    top, bottom = y.min() / rows, (y.max() + 1) / rows
+    width, height = max(right - left, MIN_REGION_SHARE), max(bottom - top, MIN_REGION_SHARE)
+    left = float(np.clip((left + right - width) / 2, 0, 1 - width))
+    top = float(np.clip((top + bottom - height) / 2, 0, 1 - height))
+    return Box(left, top, float(width), float(height))
+
 
 DISTANCE_LENGTHS = 1.6
 """Distance of tilted boards / their length, whatever the lens."""
 TILT_RANGE_DEG = 70.0
-"""Tilt to either side, subdivided."""
 SHIFT_SHARE = 0.05
 """Share of the image by which the board is moved for the principal point."""
 MIN_OVERLAP = 0.85
-"""Jaccard index of target and observed board from which a target is reached."""
+"""Jaccard index from which a target is reached."""
 CONVERGED_DECREASE = 0.10
 """Relative decrease of a standard deviation below which the parameter has converged."""
 MIN_REACHED_CORNERS = 15
-"""Corners that a view must show to reach its target."""
 INITIAL_FOCAL_WIDTHS = 1000 / 1280
-"""Focal length / image width that is assumed before the first fit."""
 INTRINSICS = ("fx", "fy", "cx", "cy")
 
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Progress of the method after some views.
-
-    Attributes
-    ----------
-    converged
-        Indices of the parameters that have converged.
-    target_counts
-        (p,) targets that each parameter has had.
-    covered
-        Regions of the image that targets for the distortion have covered.
-    calibration
-        The last fit; None if it failed.
-    next_parameter
-        Index of the parameter that the next target is for; None if all have converged.
-    """
+    """Progress of the method after some views; no next parameter: all have converged."""
 
     converged: frozenset[int]
     target_counts: tuple[int, ...]
@@ -67,21 +137,13 @@ class Progress:
     next_parameter: int | None
 
 
-class PoseSelection:
-    """Guidance by the published method; see the module's docstring. `seed` is not used."""
+class PoseSelection(Guide):
+    """Guidance by the published method. `seed` is not used."""
 
-    def __init__(
-        self,
-        board: Board,
-        img_size: tuple[int, int],
-        model: str = "rectilinear",
-        seed: Camera | None = None,
-    ) -> None:
-        self.board = board
-        self.img_size = (int(img_size[0]), int(img_size[1]))
-        self.model = models.get(model)
-        self.seed = seed
-        self._steps: list[tuple[View, Progress]] = []
+    @cached_property
+    def _steps(self) -> list[tuple[View, Progress]]:
+        """Views that were replayed, and the progress after each."""
+        return []
 
     @undetermined()
     def next_pose(
@@ -91,26 +153,21 @@ class PoseSelection:
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
     ) -> TargetPose:
-        """Choose the next pose; a skipped pose is followed by the method's next one."""
+        """Next pose; a skipped pose is followed by the method's next one."""
         del calibration, unreached  # the method fits for itself, and learns nothing of its user
         step = (len(views) + len(skipped)) if len(views) < 2 else len(views)
+        camera = self.camera(views)
         if step == 0:
             r = rotation.matrix(np.radians([0, 45.0, 0])) @ rotation.matrix(np.radians([0, 0, 22.5]))
-            return self._target(r, self._place_on_axis(r), self.camera(views), "a first look")
+            return self._target(r, self._place_on_axis(r), camera, "a first look")
         if step == 1 or not views:
-            return self._fronto_parallel_target(
-                Box(0.0, 0.0, 1.0, 1.0), self.camera(views), "to fill the picture"
-            )
+            return self._fronto_parallel_target(WHOLE_IMAGE, camera, "to fill the picture")
         progress = self.progress(views)
-        camera = self.camera(views)
-        parameter = progress.next_parameter if progress.next_parameter is not None else 0
-        times = progress.target_counts[parameter] + len(skipped)
-        if parameter >= len(INTRINSICS):
-            region = find_next_region(camera, progress.covered)
-            return self._fronto_parallel_target(
-                region, camera, f"to measure {self.model.coefficients[parameter - 4]}"
-            )
-        return self.tilted_target(parameter, times, camera)
+        parameter = progress.next_parameter or 0
+        if parameter < len(INTRINSICS):
+            return self.tilted_target(parameter, progress.target_counts[parameter] + len(skipped), camera)
+        purpose = f"to measure {self.model.coefficients[parameter - len(INTRINSICS)]}"
+        return self._fronto_parallel_target(find_next_region(camera, progress.covered), camera, purpose)
 
     def tilted_target(self, parameter: int, times: int, camera: Camera) -> TargetPose:
         """Target for fx, fy, cx or cy, by its index, that has had `times` targets before."""
@@ -132,18 +189,17 @@ class PoseSelection:
         return jaccard_index(target.outline, estimate_outline(self.board, view), self.img_size) > MIN_OVERLAP
 
     def is_done(self, views: Sequence[View]) -> bool:
-        """True if the method stops: every parameter has converged."""
+        """True if every parameter has converged."""
         return len(views) >= 2 and self.progress(views).next_parameter is None
 
     def estimate(self, views: Sequence[View]) -> Calibration | None:
-        """Fit as the method does: plain least squares; None if that fails."""
-        try:
+        """Plain least squares; None if that fails."""
+        with suppress(CalibrationError):
             return fit(views, self.img_size, self.model.name, robust=False)
-        except CalibrationError:
-            return None
+        return None
 
     def progress(self, views: Sequence[View]) -> Progress:
-        """Replay the method over `views`; steps that were replayed before are cached."""
+        """Progress after `views`; steps that were replayed before are cached."""
         count = 0
         while count < min(len(views), len(self._steps)) and self._steps[count][0] is views[count]:
             count += 1
@@ -157,8 +213,8 @@ class PoseSelection:
         size = self.model.size
         calibration = self.estimate(views) if len(views) >= 2 else None
         if last is None or last.calibration is None or calibration is None:
-            chosen = None if calibration is None else self._most_dispersed(calibration, frozenset())
-            return Progress(frozenset(), (0,) * size, (), calibration, 0 if chosen is None else chosen)
+            chosen = 0 if calibration is None else self._most_dispersed(calibration, frozenset())
+            return Progress(frozenset(), (0,) * size, (), calibration, chosen)
         converged, counts, covered = set(last.converged), list(last.target_counts), last.covered
         if last.next_parameter is not None:
             counts[last.next_parameter] += 1
@@ -188,13 +244,10 @@ class PoseSelection:
         return Camera.from_intrinsics(self.model.name, k, self.img_size)
 
     def _place_on_axis(self, r: Array) -> Array:
-        """Put the board's centre on the axis, DISTANCE_LENGTHS away: the translation (3,)."""
         center = np.array([0.0, 0.0, DISTANCE_LENGTHS * max(self.board.size)])
-        t: Array = center - r @ self.board.outline.mean(axis=0)
-        return t
+        return np.asarray(center - r @ self.board.outline.mean(axis=0))
 
     def _fronto_parallel_target(self, box: Box, camera: Camera, purpose: str) -> TargetPose:
-        """Fronto-parallel target that fills a part of the image as far as its shape allows."""
         (w, h), (columns, rows) = self.img_size, self.board.size
         width = min(box.width * w, box.height * h * columns / rows)
         middle = np.array([[(box.left + box.width / 2) * w - 0.5, (box.top + box.height / 2) * h - 0.5]])

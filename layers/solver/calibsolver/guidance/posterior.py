@@ -8,25 +8,27 @@ import numpy as np
 from .. import models
 from ..arrays import Array, symmetric_inverse
 from ..camera import Camera
-from ..fitting import initial_guess, prior, uncertainty
+from ..fitting import initial_guess, normal_equations, prior, systematic_effects, uncertainty
 from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import Poses
 from ..fitting.observations import Observations
 from ..models import Model
 from ..view import View
 from .candidates import RayGrid
-from .systematic_errors import limited_information, systematic_share
 
 ERROR_GRID = (12, 9)
-"""Columns and rows of pixels over which the projection error is averaged."""
 NOMINAL_NOISE_WIDTHS = 0.3 / 1280
 """Standard deviation of a corner's coordinate / image width, before any measurement."""
 MIN_NOISE_WIDTHS = 0.05 / 1280
-"""The same of the best detector: residuals that are smaller by chance do not promise more."""
-
-
+"""The same of the best detector."""
 MAX_MEDIAN_ERROR_WIDTHS = 0.15
 """Median error / image width of a view with only its pose fitted; no lens explains more."""
+NEGLIGIBLE_INFLATION = 1.5
+"""Inflation that few views show by chance."""
+USUAL_EXCESS_INFLATION = 3.0
+"""Excess over it: the median of four to six views of 13 sets of real cameras."""
+MAX_SHARE = 3.0
+"""Largest size that is believed: beyond, a view is an outlier."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,18 +37,14 @@ class IntrinsicsPosterior:
 
     Attributes
     ----------
-    model
-        The distortion model.
     k
-        (p,) mean of the intrinsics.
+        (p,) mean.
     information
         (p, p) Fisher information: the inverse of their covariance, were the noise of the corners white.
     noise
         Standard deviation of a corner's coordinate, px.
-    img_size
-        Width and height, px.
     systematic
-        Size of the views' systematic errors / the usual one (`systematic_errors`); 0: none have been seen.
+        As `systematic_share` returns.
     """
 
     model: Model
@@ -66,7 +64,7 @@ class IntrinsicsPosterior:
     ) -> "IntrinsicsPosterior":
         """Posterior after a calibration, or only the prior, around a `seed` camera if there is one.
 
-        A seed is where the search begins. Its uncertainty is not used: the information is the prior's.
+        The uncertainty of a seed is not used: the information is the prior's.
         """
         model = models.get(model_name)
         w = img_size[0]
@@ -83,12 +81,12 @@ class IntrinsicsPosterior:
 
     @cached_property
     def camera(self) -> Camera:
-        """Camera at the mean of the intrinsics."""
+        """Camera at the mean."""
         return Camera.from_intrinsics(self.model.name, self.k, self.img_size)
 
     @cached_property
     def rays(self) -> RayGrid:
-        """Rays over the image at the mean of the intrinsics."""
+        """Rays over the image."""
         return RayGrid.of(self.camera)
 
     @cached_property
@@ -100,21 +98,39 @@ class IntrinsicsPosterior:
 
     def view_information(self, obs: Observations, poses: Poses) -> Array:
         """Fisher information (v, p, p) of views at their poses, at unit noise; NaN of unseen ones."""
-        s, q = limited_information(
-            self.model,
-            self.k,
-            poses,
-            obs.points,
-            obs.mask.astype(np.float64),
-            self.noise,
-            self.img_size[1],
-            self.systematic,
-        )
+        s, q = self.limited_information(poses, obs.points, obs.mask.astype(np.float64))
         s[~np.isfinite(q).all(axis=(1, 2))] = np.nan
         return s
 
+    def limited_information(self, poses: Poses, points: Array, weights: Array) -> tuple[Array, Array]:
+        """Fisher information (v, p, p) of the intrinsics at unit noise, and pixels (v, 2, n).
+
+        A view has information N, and a systematic error of its own that would move the intrinsics by a
+        covariance T. Together they give (N^-1 + T)^-1, however low the noise of its corners. T differs from
+        view to view: a bend shows most in a tilted close-up, motion wherever the board spans many rows. So
+        the effects (`fitting.systematic_effects`) are variables of the view that are marginalised with its
+        pose, with standard deviations typical of hand-held boards.
+
+        Parameters
+        ----------
+        points
+            (v, 3, n) or, for all views, (3, n); board frame.
+        weights
+            (v, n) of the points.
+        """
+        q, rows = normal_equations.linearize(self.model, self.k, poses, points, 0)
+        count = 0
+        if self.systematic > 0:
+            row = systematic_effects.row_position(q[1], self.img_size[1])
+            effects = systematic_effects.displacements(rows[self.model.size :], poses, points, row)
+            count = len(effects)
+            rows = np.concatenate([rows, effects * (self.systematic / self.noise)])
+        rows = np.where(weights > 0, rows * np.sqrt(weights), 0.0)
+        s = normal_equations.schur_complement(normal_equations.gram_matrices(rows), nuisance=count)
+        return s, q.transpose(1, 0, 2)
+
     def gain(self, information: Array) -> float:
-        """Decrease of the mean square error, px^2, by views of Fisher `information` (p, p) at unit noise."""
+        """Decrease of the mean square error, px^2, by Fisher `information` (p, p) at unit noise."""
         w = self.error_metric
         before = symmetric_inverse(self.information)
         after = symmetric_inverse(self.information + information / self.noise**2)
@@ -128,3 +144,12 @@ class IntrinsicsPosterior:
             return None
         s = self.view_information(obs, posed.poses)[0]
         return self.gain(s) if np.isfinite(s).all() else None
+
+
+def systematic_share(inflation: float) -> float:
+    """Size of the systematic errors / the usual one, by the inflation that a calibration's views show.
+
+    The excess of the inflation grows with the square of the systematic errors.
+    """
+    excess = inflation - NEGLIGIBLE_INFLATION
+    return float(np.sqrt(np.clip(excess / USUAL_EXCESS_INFLATION, 0.0, MAX_SHARE**2)))

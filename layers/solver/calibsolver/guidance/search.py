@@ -1,53 +1,130 @@
 """Search for the next-best view: the candidate pose after which the projection error is least."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .. import rotation
 from ..arrays import Array, IntArray, Mask, whitening
 from ..board import Board
+from ..camera import Camera
+from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import Poses
 from . import candidates
 from .candidates import CornerGrid, PoseLimits
-from .pose_history import PoseHistory
-from .posterior import IntrinsicsPosterior
-from .systematic_errors import limited_information
+from .hints import Placement
+from .posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
 from .target import TargetPose
 
+CLOSE_UP_WIDTH, STEEP_TILT_DEG = 0.75, 45.0
+"""Apparent width / image, and tilt, from which fixed-focus lenses blur and glossy boards reflect."""
+UNPROVEN_NOISE_FACTOR = 1.1
+"""Noise expected beyond these, until a view has been there / noise of the best view."""
+MIN_BAD_NOISE_FACTOR = 1.35
+"""Noise of a view / noise of the best, from which poses like it are bad, not this one by chance."""
+RETREAT = 0.8
+"""Share of an unreached target's tilt or width that later targets may have."""
+EASY_TILT_DEG, EASY_WIDTH = 25.0, 0.6
+
+
+@dataclass(frozen=True, eq=False)
+class PoseHistory:
+    """Views of a session (v), and targets not reached (m).
+
+    Attributes
+    ----------
+    tilt, width, noise
+        (v,) degrees; apparent length of the board's longer side / the image's; noise / that of the best view.
+    unreached
+        (m, 2) tilt and width.
+    """
+
+    tilt: Array
+    width: Array
+    noise: Array
+    unreached: Array
+
+    @classmethod
+    def of(
+        cls,
+        board: Board,
+        camera: Camera,
+        calibration: Calibration | None,
+        unreached: Sequence[TargetPose],
+    ) -> "PoseHistory":
+        """History of a calibration's views and of targets given up, as `camera` sees them."""
+        rt = np.empty((0, 6)) if calibration is None else calibration.poses
+        given_up = np.array([[*t.rvec, *t.tvec] for t in unreached]).reshape(-1, 6)
+        tilts_and_widths = []
+        for pose in np.concatenate([rt, given_up]):
+            placed = Placement.of(board, camera, rotation.matrix(pose[:3]), pose[3:])
+            width = camera.focal[0] * max(board.size) / (placed.distance * max(camera.img_size))
+            tilt = np.degrees(np.arccos(np.clip(placed.normal[2], -1, 1)))
+            tilts_and_widths.append((tilt, width))
+        tilts, widths = np.array(tilts_and_widths).reshape(-1, 2).T
+        noise = np.ones(len(rt))
+        if calibration is not None:
+            pairs = zip(calibration.residuals, calibration.used, strict=True)
+            # Six points do not measure noise: some pose fits them. Noise below a detector's does not count.
+            enough = [(i, e[u]) for i, (e, u) in enumerate(pairs) if u.sum() > 6]
+            rms = np.array([np.sqrt(np.mean(np.sum(e**2, axis=1))) for _, e in enough])
+            rms = np.maximum(rms, MIN_NOISE_WIDTHS * camera.img_size[0])
+            noise[[i for i, _ in enough]] = rms / rms.min(initial=np.inf)
+        v = len(rt)
+        return cls(tilts[:v], widths[:v], noise, np.stack([tilts[v:], widths[v:]], axis=1))
+
+    def restrict(self, limits: PoseLimits) -> PoseLimits:
+        """Limits that exclude poses as hard as those not reached, unless a view has been there."""
+        tilt, (low, width) = limits.max_tilt_deg, limits.width
+        for t, w in self.unreached:
+            # Both are reduced: it is unknown which of them was too hard.
+            if t > STEEP_TILT_DEG:
+                tilt = min(tilt, max(RETREAT * t, EASY_TILT_DEG, self.tilt.max(initial=0)))
+            if w > CLOSE_UP_WIDTH:
+                width = min(width, max(RETREAT * w, EASY_WIDTH, self.width.max(initial=0)))
+        return replace(limits, max_tilt_deg=float(tilt), width=(low, float(max(width, low))))
+
+    def expected_noise(self, tilt: Array, width: Array) -> Array:
+        """Noise (c,) to expect at poses of tilts and widths (c,) / noise of the best view."""
+        factor = np.ones(len(tilt))
+        if self.tilt.max(initial=0) < STEEP_TILT_DEG:
+            factor = np.where(tilt > STEEP_TILT_DEG, UNPROVEN_NOISE_FACTOR, factor)
+        if self.width.max(initial=0) < CLOSE_UP_WIDTH:
+            factor = np.where(width > CLOSE_UP_WIDTH, factor * UNPROVEN_NOISE_FACTOR, factor)
+        for t, w, noise in zip(self.tilt, self.width, self.noise, strict=True):
+            if noise < MIN_BAD_NOISE_FACTOR:
+                continue
+            steeper = (t > STEEP_TILT_DEG - 15) & (tilt > t - 5)
+            closer = (w > CLOSE_UP_WIDTH) & (width > 0.9 * w)
+            factor = np.where(steeper | closer, np.maximum(factor, noise), factor)
+        return factor
+
+
 SEARCH_COLUMNS = 8
-"""Columns of corners with which candidates are evaluated, at most: those of the default board."""
+"""Most columns of corners with which candidates are evaluated: those of the default board."""
 CANDIDATE_COUNT = 128
 ELITE_COUNT, SAMPLES_PER_ELITE = 4, 16
-"""Candidates that are refined in a round, and samples around each of them."""
 SEARCH_RADII = (0.3, 0.2, 0.14, 0.09, 0.05)
 REFINEMENT_RADII = (0.2, 0.12, 0.06)
-"""Radii around the elite, in units of a candidate's range: in a new search, and among earlier candidates."""
+"""Radii around the elite, / a candidate's range: in a new search, and among earlier candidates."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Evaluated candidates.
-
-    Attributes
-    ----------
-    unit
-        (c, 6) points of the unit cube.
-    information
-        (c, p, p) their Fisher information, whitened by that of the posterior.
-    """
+    """Evaluated candidates (c, 6) and their Fisher information (c, p, p), whitened."""
 
     unit: Array
     information: Array
 
     def concat(self, other: "Candidates") -> "Candidates":
-        """Concatenate two sets of candidates."""
+        """Both sets of candidates."""
         return Candidates(
             np.concatenate([self.unit, other.unit]), np.concatenate([self.information, other.information])
         )
 
     def take(self, index: IntArray) -> "Candidates":
-        """Select candidates by their indices."""
+        """Candidates at some indices."""
         return Candidates(self.unit[index], self.information[index])
 
 
@@ -55,20 +132,8 @@ class Search:
     """Cross-entropy method: wide sampling, then ever closer samples around the best candidates (the elite).
 
     Information is whitened by the posterior's, so that nothing is badly scaled: with A the posterior's
-    information, T'AT = 1 and S a candidate's, trace((A + S)^-1 W) = trace((1 + T'ST)^-1 T'WT).
-
-    Parameters
-    ----------
-    board
-        The board.
-    posterior
-        Posterior of the camera's intrinsics.
-    limits
-        Limits of the poses.
-    skipped
-        Targets that candidates must not resemble.
-    history
-        Noise to expect by pose; None if no view has shown any.
+    information, T'AT = 1 and S a candidate's, trace((A + S)^-1 W) = trace((1 + T'ST)^-1 T'WT). Candidates
+    must not resemble `skipped` targets.
     """
 
     def __init__(
@@ -89,18 +154,14 @@ class Search:
         self._metric = self._whiten @ posterior.error_metric @ self._whiten.T
         self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
 
-    def sample(self, index: int) -> Candidates:
-        """Evaluate CANDIDATE_COUNT poses from all of the unit cube; `index` varies which."""
-        return self.evaluate(candidates.r_sequence(CANDIDATE_COUNT, index + 7 * len(self.skipped)))
-
     def evaluate(self, unit: Array) -> Candidates:
-        """Evaluate candidates (c, 6); those outside the limits are left out."""
+        """Candidates (c, 6) within the limits."""
         posterior = self.posterior
         poses = candidates.poses_from_unit_cube(unit, self.board, posterior.rays, self.limits)
         s, feasible = fisher_information(posterior, poses, self.corners, self.limits)
         feasible &= candidates.is_in_front(poses, self.board, posterior.rays)
         for target in self.skipped:
-            feasible &= ~is_similar(poses, target, self.board)
+            feasible &= ~is_similar(poses, target.r, target.tvec, self.board)
         use = np.flatnonzero(feasible)
         noise = np.full(use.size, posterior.noise)
         if self.history is not None:
@@ -111,11 +172,10 @@ class Search:
     def score(self, information: Array, other: Array | None = None) -> Array:
         """Mean square projection error (c,) px^2 after candidates of information (c, p, p).
 
-        `other` (p, p) is the information of another view that is added to each.
+        `other` (p, p) is added to each.
         """
         known = np.eye(len(self._metric)) if other is None else np.eye(len(self._metric)) + other
-        error: Array = np.einsum("cij,ij->c", np.linalg.inv(known + information), self._metric)
-        return error
+        return np.asarray(np.einsum("cij,ij->c", np.linalg.inv(known + information), self._metric))
 
     def refine(
         self, start: Candidates, radii: tuple[float, ...], other: Array | None = None
@@ -139,12 +199,13 @@ class Search:
         return evaluated, last, score
 
     def best(self, index: int, ahead: int) -> tuple[Array, Array] | None:
-        """Find the best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
+        """Best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
 
         The best single pose need not be one of the best two: the second is chosen to complement the first,
-        and then the first again to complement the second. The one that is better on its own comes first.
+        then the first again to complement the second. The one that is better on its own comes first.
         """
-        evaluated, last, score = self.refine(self.sample(index), SEARCH_RADII)
+        sample = candidates.r_sequence(CANDIDATE_COUNT, index + 7 * len(self.skipped))
+        evaluated, last, score = self.refine(self.evaluate(sample), SEARCH_RADII)
         if not last.unit.size:
             return None
         if ahead < 2:
@@ -168,8 +229,7 @@ def fisher_information(
 ) -> tuple[Array, Mask]:
     """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
 
-    A corner counts by how probably it is found. The poses, and what hands and boards add, are marginalised
-    (`systematic_errors`). Also returned is which poses (c,) respect the limits; others have 0.
+    A corner counts by how probably it is found. Poses that do not respect the limits (c,) have 0.
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
@@ -177,24 +237,14 @@ def fisher_information(
     use = np.flatnonzero(feasible)
     s = np.zeros((len(feasible), posterior.model.size, posterior.model.size))
     if use.size:
-        s[use], _ = limited_information(
-            posterior.model,
-            posterior.k,
-            Poses(poses.r[use], poses.t[use]),
-            corners.points,
-            found[use] * corners.multiplicity,
-            posterior.noise,
-            posterior.img_size[1],
-            posterior.systematic,
-        )
+        possible = Poses(poses.r[use], poses.t[use])
+        s[use], _ = posterior.limited_information(possible, corners.points, found[use] * corners.multiplicity)
     return s, feasible
 
 
-def is_similar(poses: Poses, target: TargetPose, board: Board) -> Mask:
-    """True if poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
-    r = rotation.matrix(target.rvec)
+def is_similar(poses: Poses, r: Array, t: Array, board: Board) -> Mask:
+    """True if poses (c) resemble one: normals within 20 degrees, centres within 1.5 squares."""
     center = board.outline.mean(axis=0)
-    distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)
+    distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + t), axis=1)
     cos_angle = poses.r[:, :, 2] @ r[:, 2]
-    similar: Mask = (cos_angle > np.cos(np.radians(20))) & (distance < 1.5)
-    return similar
+    return np.asarray((cos_angle > np.cos(np.radians(20))) & (distance < 1.5))

@@ -1,27 +1,26 @@
 """Target pose: where the user is asked to hold the board."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from .. import rotation
+from .. import models, rotation
 from ..arrays import Array, frozen
 from ..board import Board
 from ..camera import Camera
 from .candidates import distance_to_border
-from .hints import TEXTS, Code, Hint, Placement, largest_difference
+from .hints import TEXTS, Hint, Placement, largest_difference
 
-PIXELS = ("ids", "corners", "outline")
-"""Members of a target that say how a camera sees it, not where it is."""
+ARRAYS = ("rvec", "tvec", "corners", "outline")
 EDGE_SAMPLES = 12
 """Points along one edge of an outline: enough to draw a curved edge to a fraction of a pixel."""
 
 
 @dataclass(frozen=True, eq=False)
 class TargetPose:
-    """A pose of the board and how the camera would see it.
+    """Pose of the board, where the user is asked to hold it, and how the camera would see it.
 
     Attributes
     ----------
@@ -32,14 +31,14 @@ class TargetPose:
     corners
         (k, 2) px, where those appear.
     outline
-        (m, 2) px, the board's edge, distortion included, clockwise on the board; parts outside the model's
-        one-to-one domain are left out, parts outside the image are not.
+        (m, 2) px, the board's edge, clockwise on the board, also outside the image, but not outside the
+        model's one-to-one domain.
     purpose
-        Purpose of the view, one English phrase.
+        One English phrase.
     hint, hint_code
-        Hint in English and as a code (`hints.Code`): the largest difference from the last placement.
+        The largest difference from the last placement.
     gain
-        px^2, by how much the mean square projection error over the image is predicted to fall.
+        px^2, predicted decrease of the mean square projection error over the image.
     """
 
     rvec: Array
@@ -49,11 +48,11 @@ class TargetPose:
     outline: Array
     purpose: str
     hint: str
-    hint_code: Code
+    hint_code: str
     gain: float
 
     def __post_init__(self) -> None:
-        for name in ("rvec", "tvec", "corners", "outline"):
+        for name in ARRAYS:
             object.__setattr__(self, name, frozen(getattr(self, name)))
         object.__setattr__(self, "ids", tuple(int(i) for i in self.ids))
 
@@ -74,7 +73,7 @@ class TargetPose:
         whole = np.all(distance_to_border(support, camera.img_size) >= 0, axis=2)
         inside = (distance_to_border(q, camera.img_size) >= 0) & np.any(whole, axis=1)
         edge = camera.project(edge_points(board) @ r.T + t)
-        hint = Hint.of("first")
+        hint = Hint("first")
         if last is not None:
             hint = largest_difference(last, Placement.of(board, camera, r, t), camera.img_size[0])
         return cls(
@@ -89,38 +88,36 @@ class TargetPose:
             gain=gain,
         )
 
+    @property
+    def r(self) -> Array:
+        """Rotation (3, 3), board -> camera."""
+        return rotation.matrix(self.rvec)
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        return {
-            "rvec": self.rvec.tolist(),
-            "tvec": self.tvec.tolist(),
-            "ids": list(self.ids),
-            "corners": self.corners.tolist(),
-            "outline": self.outline.tolist(),
-            "purpose": self.purpose,
-            "hint": self.hint,
-            "hint_code": self.hint_code,
-            "gain": self.gain,
-        }
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        arrays = {name: values[name].tolist() for name in ARRAYS}
+        return {**values, **arrays, "ids": list(self.ids)}
 
     def to_record(self) -> dict[str, Any]:
-        """Plain values without the pixels, which follow from the pose and the camera: what is stored."""
-        return {name: value for name, value in self.to_dict().items() if name not in PIXELS}
+        """Plain values without the pixels, which follow from the pose and the camera."""
+        pixels = ("ids", "corners", "outline")
+        return {name: value for name, value in self.to_dict().items() if name not in pixels}
 
     def redrawn(self, board: Board, camera: Camera) -> "TargetPose":
         """Target with its pixels as `camera` sees them."""
-        seen = TargetPose.seen(board, camera, rotation.matrix(self.rvec), self.tvec, self.purpose, self.gain)
+        seen = TargetPose.seen(board, camera, self.r, self.tvec, self.purpose, self.gain)
         return replace(self, ids=seen.ids, corners=seen.corners, outline=seen.outline)
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "TargetPose":
-        """Inverse of `to_dict` and, but for the pixels, of `to_record`."""
+        """Target of `to_dict` or, without the pixels, of `to_record`."""
         return cls(
-            rvec=np.asarray(values["rvec"], dtype=np.float64),
-            tvec=np.asarray(values["tvec"], dtype=np.float64),
+            rvec=values["rvec"],
+            tvec=values["tvec"],
             ids=tuple(values.get("ids", ())),
-            corners=np.asarray(values.get("corners", ()), dtype=np.float64).reshape(-1, 2),
-            outline=np.asarray(values.get("outline", ()), dtype=np.float64).reshape(-1, 2),
+            corners=np.reshape(values.get("corners", ()), (-1, 2)),
+            outline=np.reshape(values.get("outline", ()), (-1, 2)),
             purpose=str(values["purpose"]),
             hint=str(values["hint"]),
             hint_code=values["hint_code"] if values.get("hint_code") in TEXTS else "first",
@@ -128,9 +125,24 @@ class TargetPose:
         )
 
 
+class Guide:
+    """Chooser of target poses. `seed`: camera that others have measured."""
+
+    def __init__(
+        self,
+        board: Board,
+        img_size: tuple[int, int],
+        model: str = "rectilinear",
+        seed: Camera | None = None,
+    ) -> None:
+        self.board = board
+        self.img_size = (int(img_size[0]), int(img_size[1]))
+        self.model = models.get(model)
+        self.seed = seed
+
+
 def edge_points(board: Board) -> Array:
     """Points along the board's edge, (4 * EDGE_SAMPLES, 3), board frame, clockwise from the top left."""
     start, end = board.outline, np.roll(board.outline, -1, axis=0)
     s = np.arange(EDGE_SAMPLES)[None, :, None] / EDGE_SAMPLES
-    points: Array = (start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3)
-    return points
+    return np.asarray((start[:, None, :] * (1 - s) + end[:, None, :] * s).reshape(-1, 3))

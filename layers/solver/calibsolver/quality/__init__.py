@@ -1,4 +1,4 @@
-"""Quality of a calibration: prediction, cross-validation, model selection, assessment, report."""
+"""Quality of a calibration."""
 
 from .assessment import Assessment, assess
 from .cross_validation import HeldOut, held_out

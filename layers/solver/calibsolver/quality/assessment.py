@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from ..arrays import Array
 from ..camera import pixel_grid
 from ..errors import format_px_error, undetermined
 from ..fitting.calibration import Calibration
@@ -33,54 +32,41 @@ Code = Literal[
     "outliers",
     "views_left_out",
 ]
-Side = Literal["left", "right", "top", "bottom"]
-
 RIM_GRID = (12, 9)
 PATTERN_GRID = (8, 6)
-EDGES: Mapping[Side, tuple[slice | int, slice | int]] = {
-    "left": (slice(None), 0),
-    "right": (slice(None), -1),
-    "top": (0, slice(None)),
-    "bottom": (-1, slice(None)),
+EDGES: Mapping[str, tuple[Code, slice | int, slice | int]] = {
+    "left": ("left_edge_not_covered", slice(None), 0),
+    "right": ("right_edge_not_covered", slice(None), -1),
+    "top": ("top_edge_not_covered", 0, slice(None)),
+    "bottom": ("bottom_edge_not_covered", -1, slice(None)),
 }
-"""Outermost cells of RIM_GRID, (row, column)."""
-EDGE_CODES: Mapping[Side, Code] = {
-    "left": "left_edge_not_covered",
-    "right": "right_edge_not_covered",
-    "top": "top_edge_not_covered",
-    "bottom": "bottom_edge_not_covered",
-}
+"""Code and outermost cells of RIM_GRID, row and column."""
 REFERENCE_WIDTH_PX = 1280.0
-"""Image width at which the lengths below are meant, px; they scale with it."""
+"""Image width at which lengths in px are meant; they scale with it."""
 COVERAGE_RADIUS_DIAGONALS = 0.12
-"""Of the image's diagonal: how far a corner speaks for its surroundings."""
+"""Distance / diagonal within which a corner covers its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
-"""px: smaller differences do not matter."""
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
-"""px, predicted rms projection error over the image, up to which a calibration is good, and fair."""
+"""Largest predicted rms projection error over the image of a good calibration, and of a fair one."""
 MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
-"""px, the same inside the part of the image that the board has shown, up to which a calibration is fair;
-smallest share of the image that this part must be."""
+"""The same of a fair one where the board has been, and smallest share of this part."""
 MIN_FITTED_VIEWS = 4
 MIN_TILT_DEG = 15.0
-"""Degrees between sight line and board normal: below it focal length and distance trade places."""
+"""Below it focal length and distance trade places."""
 MIN_RIM_COVERAGE = 0.6
-"""Share of the rim of the image, or of one side of it, that has seen corners."""
+"""Share of the rim, or of a side of it, that has seen corners."""
 MAX_HELD_OUT_RATIO, MAX_FAIR_HELD_OUT_RATIO = 1.4, 2.5
-"""Error on views left out / error on those fitted, up to which a calibration is good, and fair."""
+"""Largest error on views left out / error on those fitted of a good calibration, and of a fair one."""
 MAX_FIXED_PATTERN_SHARE = 0.3
 """Share of the residuals' length that is the same in all views."""
 WIDE_MODELS = ("fisheye", "rational", "omnidirectional")
-"""Models for lenses that another cannot follow."""
 MAX_NOISE_PX = 0.5
-"""px, noise of one coordinate."""
 MAX_OUTLIER_SHARE = 0.05
-"""Share of the points left out."""
 
 
 @dataclass(frozen=True)
 class Reason:
-    """Reason why a calibration is not good: a code for programs, a sentence for people."""
+    """Reason why a calibration is not good."""
 
     code: Code
     text: str
@@ -88,7 +74,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Assessment:
-    """Verdict and its reasons, the one to act on first; no reasons if it is good."""
+    """Verdict and its reasons, the one to act on first."""
 
     level: Level
     reasons: tuple[Reason, ...]
@@ -103,16 +89,7 @@ def assess(
 ) -> Assessment:
     """Judge a calibration by two numbers: its error over the image, and where the board has been.
 
-    Parameters
-    ----------
-    calibration, views
-        The fit, and what was fitted.
-    held_out
-        px, rms of a cross-validation (`cross_validation.held_out`), where there is one.
-    coverage
-        Part of the image that the board has shown; measured if None.
-
-    What makes the two numbers doubtful makes a good calibration fair.
+    What makes them doubtful makes a good calibration fair. `held_out`: px, rms of a cross-validation.
     """
     coverage = coverage or Coverage.of(calibration, views)
     width = calibration.camera.img_size[0]
@@ -124,18 +101,21 @@ def assess(
         level = "poor"
     elif level == "good":
         return Assessment("fair" if doubts else "good", tuple(reason for _, reason in doubts))
-    taken = [view for i, view in enumerate(views) if i not in calibration.cut_views]
-    edge = _uncovered_edge(calibration, taken)
+    # Views that were cut took no part: what they show says nothing of the fit.
+    taken = {i: view for i, view in enumerate(views) if i not in calibration.cut_views}
+    edge = list(_uncovered_edge(calibration, list(taken.values())))
     is_extrapolated = coverage.rms < whole / 2
-    reasons: list[Reason | None] = [reason for _, reason in doubts]
-    reasons += [_tilt(calibration, views), edge if is_extrapolated else None]
+    reasons = [*(reason for _, reason in doubts), *_tilt(calibration, taken)]
+    if is_extrapolated:
+        reasons += edge
     if calibration.noise > MAX_NOISE_PX * scale:
         text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board not flat"
         reasons.append(Reason("noisy", text))
+    if not is_extrapolated:
+        reasons += edge
     text = f"projections are expected to be {format_px_error(whole, width)}"
     text += f", {format_px_error(coverage.rms, width)} where the board has been: more views would help"
-    reasons += [None if is_extrapolated else edge, Reason("uncertain", text)]
-    return Assessment(level, tuple(reason for reason in reasons if reason is not None))
+    return Assessment(level, (*reasons, Reason("uncertain", text)))
 
 
 def level_of(whole: float, inside: float, covered: float) -> Level:
@@ -149,7 +129,7 @@ def level_of(whole: float, inside: float, covered: float) -> Level:
 def _doubts(
     calibration: Calibration, views: Sequence[View], held_out: float | None
 ) -> Iterator[tuple[Level, Reason]]:
-    """List what makes the predicted errors doubtful, and the best level that it leaves."""
+    """What makes the predicted errors doubtful, and the best level that it leaves."""
     width = calibration.camera.img_size[0]
     left_out = len(calibration.cut_views)
     count = len(views) - left_out
@@ -177,52 +157,36 @@ def _doubts(
         yield "poor" if 2 * left_out > len(views) else "fair", Reason("views_left_out", text)
 
 
-def _tilt(calibration: Calibration, views: Sequence[View]) -> Reason | None:
-    """Reason if the board was never tilted."""
-    # Views that were cut took no part: what they show says nothing of the fit.
-    taken = [i for i in range(len(views)) if i not in calibration.cut_views]
-    tilt = float(np.degrees(tilts(calibration, views)[taken].max()))
-    if tilt >= MIN_TILT_DEG:
-        return None
-    text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
-    return Reason("no_tilt", text)
-
-
-def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason | None:
-    """Reason if a side of the image has not seen the board: the one with the largest error, or all."""
-    sides = rim_covered(views, calibration.camera.img_size)
-    missing = [side for side, share in sides.items() if share < MIN_RIM_COVERAGE]
-    if not missing:
-        return None
-    if len(missing) == len(sides):
-        text = f"the board came near {np.mean(list(sides.values())):.0%} of the rim of the image"
-        return Reason("edges_not_covered", text)
-    std = calibration.projection_std(RIM_GRID)
-    errors = {side: float(np.nansum(std[EDGES[side]])) for side in missing}
-    side = max(missing, key=errors.__getitem__)
-    return Reason(EDGE_CODES[side], f"the {side} edge of the image has not seen the board yet")
-
-
-def tilts(calibration: Calibration, views: Sequence[View]) -> Array:
-    """Angle (v,) between each board's normal and the line of sight to its middle, radians."""
-    poses = Poses.of_vectors(calibration.poses)
-    middle = np.stack([view.object_points.mean(axis=0) for view in views])[:, :, None]
+def _tilt(calibration: Calibration, taken: Mapping[int, View]) -> Iterator[Reason]:
+    # Angle between the board's normal and the line of sight to its middle.
+    poses = Poses.of_vectors(calibration.poses[list(taken)])
+    middle = np.stack([view.object_points.mean(axis=0) for view in taken.values()])[:, :, None]
     sight = poses.camera_points(middle)[:, :, 0]
     cosine = np.abs(np.einsum("vi,vi->v", poses.r[:, :, 2], sight)) / np.linalg.norm(sight, axis=1)
-    angle: Array = np.arccos(np.clip(cosine, 0, 1))
-    return angle
+    tilt = float(np.degrees(np.arccos(np.clip(cosine, 0, 1)).max()))
+    if tilt < MIN_TILT_DEG:
+        text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
+        yield Reason("no_tilt", text)
 
 
-def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, float]:
-    """Share of the outermost cells of each side of the image that have a corner near."""
-    cells = np.moveaxis(pixel_grid(img_size, RIM_GRID), 0, -1)
+def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Iterator[Reason]:
+    """Yield the side of the image with the largest error that has not seen the board, or all sides."""
+    size = calibration.camera.img_size
+    cells = np.moveaxis(pixel_grid(size, RIM_GRID), 0, -1)
     points = np.concatenate([view.image_points for view in views])
-    radius = COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)
+    radius = COVERAGE_RADIUS_DIAGONALS * np.hypot(*size)
     shares = {}
-    for side, rim in EDGES.items():
-        distance = np.linalg.norm(cells[rim][:, None] - points[None], axis=2).min(axis=1)
+    for side, (_, row, column) in EDGES.items():
+        distance = np.linalg.norm(cells[row, column][:, None] - points[None], axis=2).min(axis=1)
         shares[side] = float(np.mean(distance < radius))
-    return shares
+    missing = [side for side, share in shares.items() if share < MIN_RIM_COVERAGE]
+    if len(missing) == len(EDGES):
+        text = f"the board came near {np.mean(list(shares.values())):.0%} of the rim of the image"
+        yield Reason("edges_not_covered", text)
+    elif missing:
+        std = calibration.projection_std(RIM_GRID)
+        side = max(missing, key=lambda each: float(np.nansum(std[EDGES[each][1:]])))
+        yield Reason(EDGES[side][0], f"the {side} edge of the image has not seen the board yet")
 
 
 def has_fixed_pattern(calibration: Calibration, views: Sequence[View], factor: float = 1.0) -> bool:
@@ -238,8 +202,8 @@ def has_fixed_pattern(calibration: Calibration, views: Sequence[View], factor: f
 def fixed_pattern_residual(calibration: Calibration, views: Sequence[View]) -> tuple[float, float]:
     """Part of the residuals that depends only on the place in the image: share of their rms, and px rms.
 
-    The mean over a cell of independent residuals has their variance / n; what is more than that the model
-    leaves unexplained. A board that is bent shows in each view elsewhere, and counts little.
+    The mean over a cell of n independent residuals has their variance / n; more than that the model leaves
+    unexplained. A bent board shows in each view elsewhere, and counts little.
     """
     (w, h), (columns, rows) = calibration.camera.img_size, PATTERN_GRID
     used = np.concatenate(calibration.used)

@@ -1,6 +1,7 @@
 """Model selection by cross-validation: the simplest model that is not significantly worse than the best."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..view import View
 from .cross_validation import HeldOut, held_out
 
 SIMPLEST_FIRST = ("rectilinear", "fisheye", "omnidirectional", "rational")
-"""From what every tool understands to what has most coefficients; others follow."""
+"""From what every tool understands to what has most coefficients."""
 MAX_EQUAL_RATIO = 1.03
 """Held-out error / the least up to which two models count as equal."""
 T_NORMAL, T_PER_FREEDOM = 1.645, 2.1
@@ -23,17 +24,7 @@ freedom on."""
 
 @dataclass(frozen=True)
 class Choice:
-    """A model and why.
-
-    Attributes
-    ----------
-    model
-        Name of the model to use.
-    held_out
-        px, cross-validated rms by model; None if the model cannot be fitted to these views.
-    reasons
-        In plain words, what spoke for it and against the others.
-    """
+    """Model, and sentences why; `held_out`: px, cross-validated rms by model, None if it cannot be fitted."""
 
     model: str
     held_out: Mapping[str, float | None]
@@ -44,12 +35,10 @@ class Choice:
 def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     """Choose the model for the lens that took `views`.
 
-    By the error on views left out of the fit, every model on the same points: those that no model explains
-    are taken out first. The simplest model wins whose error is within `MAX_EQUAL_RATIO` of the least, or is
-    not significantly worse by a paired t test on the logarithms of the views' errors, one-sided at 5 %
-    (Student, "The probable error of a mean", 1908).
-
-    Raises CalibrationError (`fit`'s reason) where no model fits.
+    The criterion is the error on views left out of the fit, without points that no model explains. The
+    simplest model wins whose error is within `MAX_EQUAL_RATIO` of the least, or is not significantly worse
+    by a paired t test on the logarithms of the views' errors, one-sided at 5 % (Student, "The probable
+    error of a mean", 1908). Raises CalibrationError (`fit`'s reason) if no model fits.
     """
     fits: dict[str, Calibration] = {}
     refused: dict[str, CalibrationError] = {}
@@ -79,16 +68,25 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     return Choice(chosen, errors, tuple(describe_reasons(chosen, best, scores, refused, img_size)))
 
 
-def simplicity_rank(name: str) -> tuple[int, int]:
-    """Rank of a model in the order from simple to complex."""
-    return (
-        SIMPLEST_FIRST.index(name) if name in SIMPLEST_FIRST else len(SIMPLEST_FIRST),
-        models.get(name).size,
-    )
+def fit_other_models(
+    calibration: Calibration, views: Sequence[View], board_shape: bool
+) -> dict[str, Calibration]:
+    """Fits of the models other than the calibration's that succeed."""
+    fits = {}
+    for name in models.NAMES:
+        if name != calibration.camera.model:
+            with suppress(CalibrationError):
+                fits[name] = fit(views, calibration.camera.img_size, name, board_shape=board_shape)
+    return fits
+
+
+def simplicity_rank(name: str) -> int:
+    """Rank of a model from simple to complex."""
+    return SIMPLEST_FIRST.index(name)
 
 
 def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:
-    """Drop the points that none of several fits used, and views with too few others."""
+    """Views without the points that none of several fits used, and with enough others."""
     out = []
     for i, view in enumerate(views):
         used = np.logical_or.reduce([c.used[i] for c in fits])
@@ -116,7 +114,7 @@ def describe_reasons(
     refused: Mapping[str, CalibrationError],
     img_size: tuple[int, int],
 ) -> list[str]:
-    """Describe in sentences why a model was chosen, model by model."""
+    """Sentences why a model was chosen, model by model."""
     width = img_size[0]
     sentences = [f"views left out of the fit of {chosen} are {format_px_error(scores[chosen].rms, width, 2)}"]
     for name, result in scores.items():

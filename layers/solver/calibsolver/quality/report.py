@@ -10,10 +10,8 @@ from ..errors import undetermined
 from ..fitting.board_shape import BoardShape
 from ..fitting.calibration import Calibration
 from ..view import View
-from .assessment import Assessment, Reason, assess
-from .systematic import Cause, probable_cause
-
-__all__ = ["Assessment", "Json", "Reason", "assess", "board_sentence", "describe"]
+from .assessment import assess
+from .systematic import probable_cause
 
 _PRINT: Mapping[str | None, str] = {
     "wider": "{} wider than drawn",
@@ -21,11 +19,10 @@ _PRINT: Mapping[str | None, str] = {
     "skewed": "skewed by {}",
     None: "{} out of shape",
 }
-"""Words for a print, by `BoardShape.stretch_kind`; older records have none."""
+"""Words by `BoardShape.stretch_kind`; older records have none."""
 MIN_CERTAIN_SIGMAS = 2.0
 """Sag or stretch / its standard deviation above which it is certain."""
 Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
-"""Value that JSON can hold."""
 
 
 @undetermined()
@@ -39,40 +36,32 @@ def describe(
 
     Parameters
     ----------
-    calibration, views
-        The fit, and what was fitted.
     indices
-        The views' names in the capture they come from; counted from 0 where there are none.
+        The views' names in the capture they come from; by default counted from 0.
     held_out
-        px, rms of a cross-validation, where there is one.
+        px, rms of a cross-validation.
 
     Returns
     -------
-    ``verdict`` (level; reasons, the one to act on first), ``board`` (``sag`` and ``stretch`` / longer side,
-    which were taken into account, their standard deviations ``sag_std`` and ``stretch_std``, and the
-    ``stretch_kind``: wider, narrower or skewed; null if the board was taken as drawn),
-    ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p)
-    of the intrinsics, not rounded), ``error_map`` (predicted projection error over the image, px, null
-    where the model has no ray), ``held_out`` (px; null if there is none, or more than the image is
+    ``verdict`` (level; reasons, the one to act on first), ``board`` (`BoardShape.figures`; null: as drawn),
+    ``std`` and ``covariance`` (p, p) of the intrinsics, ``error_map`` (predicted projection error over the
+    image, px, null where the model has no ray), ``held_out`` (null also if it is more than the image is
     wide), ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to
-    choose; null if there is none; a cause that moves corners by more than their noise is a reason of the
-    verdict too), ``views``: per view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured minus
-    predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of the points left out),
-    ``reason`` (why the whole view was left out, or null). A degenerate view has neither pose nor error:
-    null.
+    choose), ``views``: ``points`` (px), ``residuals`` (measured minus predicted, px), ``rvec``, ``tvec``
+    (board -> camera), ``cut`` (numbers of the points left out), ``reason`` (why the whole view was left out).
+    A degenerate view has neither pose nor error.
     """
     verdict = assess(calibration, views, held_out)
     cause = probable_cause(calibration, views)
     shape = calibration.board_shape
-    reasons = _with_cause(verdict.reasons, cause)
+    reasons = verdict.reasons
+    if cause is not None and cause.is_noticeable:  # replaces the suspicion of the model
+        reasons = (*(each for each in reasons if each.code != "model_too_simple"), cause.reason)
     level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
     return {
-        "verdict": {
-            "level": level,
-            "reasons": [{"code": r.code, "text": r.text} for r in reasons],
-        },
+        "verdict": {"level": level, "reasons": [{"code": r.code, "text": r.text} for r in reasons]},
         "board": None if shape is None else _board(shape),
         "std": {
             **{name: _digits(value) for name, value in zip(("fx", "fy", "cx", "cy"), std, strict=False)},
@@ -85,10 +74,7 @@ def describe(
             "text": cause.text if cause else None,
             "model": cause.model if cause else None,
         },
-        "error_map": {
-            "grid": list(grid),
-            "px": _to_lists(calibration.projection_std(grid), _digits),
-        },
+        "error_map": {"grid": list(grid), "px": _to_lists(calibration.projection_std(grid), _digits)},
         "held_out": None if held_out is None or held_out > width else round(held_out, 4),
         "views": [
             {
@@ -106,30 +92,18 @@ def describe(
     }
 
 
-def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reason, ...]:
-    """Add a noticeable cause to the reasons of a verdict; it replaces the suspicion of the model."""
-    if cause is None or not cause.is_noticeable:
-        return reasons
-    return (*(reason for reason in reasons if reason.code != "model_too_simple"), cause.reason)
-
-
 def board_sentence(figures: Mapping[str, Any] | None, length_mm: float | None = None) -> str | None:
     """Sentence on the board for its owner; None if nothing is certain.
 
-    Parameters
-    ----------
-    figures
-        As `BoardShape.figures` or a record's ``board_shape``; None: as drawn.
-    length_mm
-        Longer extent of the board's corners, if it is known: the bend is then stated in millimetres.
+    `figures`: as `BoardShape.figures` or a record's ``board_shape``. `length_mm`: longer extent of the
+    board's corners, with which the bend is stated in millimetres.
     """
     if figures is None:
         return None
     what, sag, stretch = [], figures["sag"], figures["stretch"]
     if sag > MIN_CERTAIN_SIGMAS * figures["sag_std"]:
-        what.append(
-            f"bent by {f'{_figure(sag * length_mm)} mm' if length_mm else f'{_percent(sag)} of its length'}"
-        )
+        bend = f"{_figure(sag * length_mm)} mm" if length_mm else f"{_percent(sag)} of its length"
+        what.append(f"bent by {bend}")
     if stretch > MIN_CERTAIN_SIGMAS * figures["stretch_std"]:
         what.append(_PRINT[figures.get("stretch_kind")].format(_percent(stretch)))
     return f"Your board is {' and '.join(what)}; that was taken into account." if what else None
@@ -140,7 +114,6 @@ def _percent(share: float) -> str:
 
 
 def _figure(value: float) -> str:
-    """Number as text: one decimal, or one digit if it is small."""
     return f"{value:.1f}" if value >= 0.1 else f"{value:.1g}"
 
 
@@ -150,7 +123,6 @@ def _board(shape: BoardShape) -> dict[str, Json]:
 
 
 def _digits(value: float, digits: int = 3) -> float | None:
-    """Round to so many significant digits; None if it is not finite."""
     return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
 
 

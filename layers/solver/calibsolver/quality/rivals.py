@@ -5,32 +5,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import models
-from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
 from ..fitting.rivals import Hull, Rival, Rivals
 from ..view import View
-from .model_selection import MAX_EQUAL_RATIO
+from .model_selection import MAX_EQUAL_RATIO, fit_other_models
 
 
 def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
-    """Return the calibration with the cameras of other models that explain its views as well.
+    """Calibration with the cameras of other models that explain its `views` as well, in the board's shape.
 
-    `views` are those of the fit. Its uncertainty outside the hull of the corners then includes how far the
-    others differ. They are fitted to the board in the shape that the calibration found.
+    Its uncertainty outside the hull of the corners then includes how far the others differ.
     """
-    shaped, size = calibration.shaped(views), calibration.camera.img_size
-    rivals = []
-    for name in models.NAMES:
-        if name == calibration.camera.model:
-            continue
-        try:
-            other = fit(shaped, size, name, board_shape=False)
-        except CalibrationError:
-            continue
-        if other.noise <= MAX_EQUAL_RATIO * calibration.noise:
-            rivals.append(Rival(other.camera, other.covariance))
+    others = fit_other_models(calibration, calibration.shaped(views), board_shape=False)
+    rivals = [
+        Rival(other.camera, other.covariance)
+        for other in others.values()
+        if other.noise <= MAX_EQUAL_RATIO * calibration.noise
+    ]
     pairs = zip(views, calibration.used, strict=True)
     hull = Hull.of(np.concatenate([view.image_points[used] for view, used in pairs]))
     return replace(calibration, rivals=Rivals(tuple(rivals), hull))

@@ -1,9 +1,9 @@
 """Probable causes of systematic residuals: a bent board, motion, a changed focus, a model that is too simple.
 
-Each cause moves the corners of a view in a way of its own: regressors of the residuals, computed from the
-*predicted* corners (measured ones hold the noise, and would explain all of it). The share that a cause
-explains is the adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view projected
-out: 0 where it explains no more than chance. Another model explains the noise that its fit does away with.
+Each cause moves the corners of a view in a way of its own: regressors computed from the *predicted*
+corners (measured ones have the noise, and would explain all of it). The share that a cause explains is the
+adjusted R^2 (Theil 1961) of the residuals of all views, with the pose of each view projected out. Another
+model explains the noise that its fit does away with.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,43 +15,38 @@ import numpy as np
 
 from .. import deadline, models
 from ..arrays import Array
-from ..errors import CalibrationError, undetermined
+from ..errors import undetermined
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
 from ..fitting.normal_equations import POSE_SIZE, Poses, linearize
 from ..fitting.observations import Observations
 from ..view import View
 from .assessment import REFERENCE_WIDTH_PX, Reason, has_fixed_pattern
-from .model_selection import simplicity_rank
+from .model_selection import fit_other_models, simplicity_rank
 
 Code = Literal["board_bent", "motion", "focus_changed", "model_too_simple"]
-InView = Literal["board_bent", "motion", "focus_changed"]
-"""Causes that differ from view to view."""
 
 MIN_CAUSE_VIEWS = 3
-"""Views from which a cause is looked for: fewer fit the intrinsics to it."""
+"""Fewer views fit the intrinsics to a cause."""
 MIN_EXPLAINED_SHARE = 0.15
-"""Share of the residuals' variance that a cause explains, from which it is named."""
+"""Share of the residuals' variance from which a cause is named."""
 MIN_SHARE_RATIO = 0.75
-"""Share that a cause explains / the largest one, from which it is named rather than one with more numbers."""
+"""Share of a cause / the largest one, from which it is named rather than one with more numbers."""
 MAX_SHARE_BESIDE_MODEL = 0.5
-"""Share that a cause within the views explains, up to which another model may be to blame: half of it all."""
+"""Share of a cause within the views, up to which another model may be to blame."""
 MIN_CAUSED_PX = 0.2
-"""px, rms of what a cause explains, from which a calibration is not good: as much as the noise of corners."""
+"""Rms of what a cause explains, from which a calibration is not good: the noise of corners."""
 MIN_CAUSED_INFLATION = 4.0
 """Inflation from which any cause leaves it not good: error bars are twice those of white noise."""
 PATTERN_IN_SHAPE = 0.5
-"""Fixed pattern from which other models are tried where the board has a shape, / that otherwise. The shape
-takes up some of what the model leaves."""
+"""Limit of the fixed pattern / the usual one, if the board has a shape, which takes up some of it."""
 MAX_MODELS_S = 1.0
-"""Time for fits of other models, where the time is limited."""
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
-ADVICE: Mapping[InView, str] = {
+ADVICE: Mapping[Code, str] = {
     "focus_changed": "The focus changed between views: switch autofocus off.",
     "board_bent": "The board bends from view to view: glue it to something rigid, such as glass or a tray.",
     "motion": "The board or the camera moved while a picture was taken: hold it still for longer.",
 }
-"""Advice to the person who holds the board, by cause; causes with fewer numbers a view come first."""
+"""Remedies by cause within a view; causes with fewer numbers come first."""
 
 
 @dataclass(frozen=True)
@@ -60,18 +55,14 @@ class Cause:
 
     Attributes
     ----------
-    code
-        For programs.
     share
-        Share of the residuals' variance that it explains, 0 to 1.
+        Share of the residuals' variance that it explains.
     text
         Remedy.
     px
         Root mean square of the residuals that it explains, px at REFERENCE_WIDTH_PX.
-    inflation
-        Variance of the calibration's intrinsics / that under white noise.
     model
-        The model that follows the lens, where this one is too simple; else None.
+        The model that follows the lens, if this one is too simple.
     """
 
     code: Code
@@ -99,12 +90,7 @@ class Cause:
 
 @undetermined()
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
-    """Find the probable cause of what is systematic in the residuals; None if nothing explains them.
-
-    Parameters
-    ----------
-    calibration, views
-        The fit, and what was fitted; views that took no part do not count.
+    """Probable cause of what is systematic in the residuals; None if nothing explains them.
 
     Motion has six numbers a view, a bend three, the focus one: motion explains much of what the others do,
     not the reverse. So a cause with fewer numbers is named unless another explains clearly more.
@@ -113,11 +99,10 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
     if len(taken) < MIN_CAUSE_VIEWS:
         return None
     shares = explained_shares(calibration, views)
-    subset = [views[i] for i in taken]
     most = max(shares.values())
     model, share = _NO_MODEL
     if most < MAX_SHARE_BESIDE_MODEL:
-        compute = partial(_better_model, calibration, views, subset)
+        compute = partial(_better_model, calibration, views)
         model, share = deadline.compute_within(MAX_MODELS_S, compute, _NO_MODEL)
     most = max(most, share)
     if most < MIN_EXPLAINED_SHARE:
@@ -132,25 +117,17 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
     return Cause(code, shares[code], ADVICE[code], float(np.sqrt(shares[code])) * rms, f)
 
 
-def _better_model(
-    calibration: Calibration, views: Sequence[View], kept: Sequence[View]
-) -> tuple[str | None, float]:
-    """Find a model with less noise in the used views, and the share of the residuals that it explains.
+def _better_model(calibration: Calibration, views: Sequence[View]) -> tuple[str | None, float]:
+    """Model with less noise in the used views, and the share of the residuals that it explains.
 
     Other models are fitted only if all views have the same pattern of errors. Ties go to the simplest.
     """
     bends = calibration.board_shape is not None
     if not has_fixed_pattern(calibration, views, PATTERN_IN_SHAPE if bends else 1.0):
         return _NO_MODEL
-    noise: dict[str, float] = {}
-    for name in models.NAMES:
-        if name == calibration.camera.model:
-            continue
-        try:
-            noise[name] = fit(kept, calibration.camera.img_size, name, board_shape=bends).noise
-        except CalibrationError:
-            continue
-    shares = {name: 1 - (value / max(calibration.noise, 1e-12)) ** 2 for name, value in noise.items()}
+    kept = [view for view, used in zip(views, calibration.used, strict=True) if used.any()]
+    others, noise = fit_other_models(calibration, kept, bends), max(calibration.noise, 1e-12)
+    shares = {name: 1 - (other.noise / noise) ** 2 for name, other in others.items()}
     most = max(shares.values(), default=0.0)
     if most <= 0:
         return _NO_MODEL
@@ -159,7 +136,7 @@ def _better_model(
     return best, shares[best]
 
 
-def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[InView, float]:
+def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[Code, float]:
     """Share of the residuals' variance that each cause within a view explains: adjusted R^2."""
     taken = [i for i, used in enumerate(calibration.used) if used.any()]
     obs = Observations.of(calibration.shaped([views[i] for i in taken]))
@@ -167,9 +144,10 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
     q, rows = linearize(model, k, poses, obs.points, 0)
     height = calibration.camera.img_size[1]
-    middle = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask].mean(axis=1)
-    scale = np.abs(obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask] - middle[:, None]).max()
-    regressions: dict[InView, list[tuple[Array, Array]]] = {code: [] for code in ADVICE}
+    places = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask]
+    middle = places.mean(axis=1)
+    scale = np.abs(places - middle[:, None]).max()
+    regressions: dict[Code, list[tuple[Array, Array]]] = {code: [] for code in ADVICE}
     for i, view in enumerate(taken):
         used = np.flatnonzero(calibration.used[view])
         j = rows[:, :, i, used]
@@ -184,7 +162,7 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
         zoom = (k[0] * j[0] + k[1] * j[1])[None]
         basis = np.linalg.qr(_columns(by_pose))[0]
         r = residual - basis @ (basis.T @ residual)
-        regressors_of: dict[InView, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
+        regressors_of: dict[Code, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
         for code, regressors in regressors_of.items():
             z = _columns(regressors)
             regressions[code].append((r, z - basis @ (basis.T @ z)))
@@ -197,14 +175,13 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
 def _columns(rows: Array) -> Array:
     """Regressors (m, 2, n) as columns (2n, m) of unit length."""
     flat = rows.reshape(len(rows), -1).T
-    out: Array = flat / np.maximum(np.linalg.norm(flat, axis=0), 1e-300)
-    return out
+    return np.asarray(flat / np.maximum(np.linalg.norm(flat, axis=0), 1e-300))
 
 
 def _share_in_each(views: Sequence[tuple[Array, Array]]) -> float:
     """Adjusted R^2 of least squares in each view separately; 0 if no view has enough points.
 
-    Residuals (2n,) and regressors (2n, m) of the views have the pose projected out.
+    The views' residuals (2n,) and regressors (2n, m) have the pose projected out.
     """
     before = after = 0.0
     freedom = explained = 0
@@ -221,7 +198,7 @@ def _share_in_each(views: Sequence[tuple[Array, Array]]) -> float:
 
 
 def _share_in_all(views: Sequence[tuple[Array, Array]]) -> float:
-    """Adjusted R^2 of least squares with the same coefficients in all views, as `_share_in_each`."""
+    """Adjusted R^2 with the same coefficients in all views."""
     r, z = (np.concatenate(part) for part in zip(*views, strict=True))
     left = r - z @ np.linalg.lstsq(z, r, rcond=1e-6)[0]
     freedom = len(r) - POSE_SIZE * len(views)

@@ -1,11 +1,10 @@
-"""Rigs: cameras that do not move against each other, fitted together from boards that several of them saw."""
+"""Rigs: cameras that do not move against each other, fitted together to boards that several of them saw."""
 
 from .calibration import RigCalibration, RigUncertainty
 from .estimate import estimate
-from .fit import fit
+from .fit import fit, held_out_rms
 from .guidance import RigTarget, next_moment
-from .held_out import held_out_rms
-from .thinning import MAX_ONLINE_POINTS, thin
+from .problem import MAX_ONLINE_POINTS, thin
 
 __all__ = [
     "MAX_ONLINE_POINTS",

@@ -1,13 +1,13 @@
-"""Estimate of a running rig in plain values: the fit to its moments, and where to hold the board next."""
+"""Estimate of a running rig in plain values."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, astuple, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from .. import deadline, models, rotation
-from ..arrays import Array
+from .. import deadline, models
 from ..board import Board
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -15,23 +15,20 @@ from ..fitting.uncertainty import projection_jacobian_rotation_free, variance
 from ..guidance.hints import Hint, Placement, largest_difference
 from ..guidance.target import TargetPose
 from .calibration import RigCalibration
-from .fit import fit
+from .fit import fit, held_out_rms
 from .guidance import RigTarget, next_moment
-from .held_out import held_out_rms
-from .problem import Moment, unlinked_cameras
+from .problem import MAX_ONLINE_POINTS, Moment, thin, unlinked_cameras
 from .start import RigidMotion
-from .thinning import MAX_ONLINE_POINTS, thin
 
 UNCERTAINTY_GRID = (20, 15)
-"""Pixels (columns, rows) at which the error of one camera is predicted."""
 MAX_HELD_OUT_S = 1.0
 MAX_HELD_OUT_POINTS = 4_000
-"""Time for the cross-validation of a rig that ends, and points to which it is thinned for it."""
+"""Limits of the cross-validation of a rig that ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Rig:
-    """The cameras that are there, and what they saw; positions are those of the whole rig."""
+    """Cameras that are there, of `count`, and what they saw. `positions` are those of the whole rig."""
 
     board: Board
     positions: Sequence[int]
@@ -78,8 +75,8 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
     Returns
     -------
     dict
-        `fit`, None if there is none, and `problem` why; `unlinked`: positions that share no moment with
-        camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
+        `fit` or None, and `problem` why; `unlinked`: positions that share no moment with camera 0; `target`
+        and `target_pose`, board -> camera 0. Lengths are in board units.
     """
     rig = _Rig.from_record(record)
     lost = {rig.positions[n] for n in unlinked_cameras(len(rig.positions), rig.moments)}
@@ -92,33 +89,31 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
             problem = error.message
         if calibration is not None and not _is_determined(calibration):
             calibration, problem = None, "the views leave it undetermined"
+    fitted = None if calibration is None else _fit_record(rig, calibration)
+    result: dict[str, Any] = {"fit": fitted, "problem": problem, "unlinked": sorted(lost)}
     if final:
-        fitted = None
-        if calibration is not None:
-            fitted = {**_fit_record(rig, calibration), "held_out_rms": _held_out(rig, calibration)}
-        return {"fit": fitted, "problem": problem, "unlinked": sorted(lost)}
-    skipped = [np.asarray(pose, dtype=np.float64) for pose in record["skipped"]]
+        if fitted is not None and calibration is not None:
+            moments = thin(rig.moments, MAX_HELD_OUT_POINTS)
+            cross_validate = partial(held_out_rms, moments, calibration)
+            fitted["held_out_rms"] = deadline.compute_within(MAX_HELD_OUT_S, cross_validate, None)
+        return result
     if not rig.positions:
-        return {"fit": None, "problem": None, "unlinked": sorted(lost)}
+        return result
+    skipped = [np.asarray(pose, dtype=np.float64) for pose in record["skipped"]]
     try:
         target = next_moment(rig.board, rig.cameras, rig.moments, calibration, skipped, record["missed"])
     except CalibrationError:  # a capture continues without a target
         target = RigTarget(None, {}, "")
     return {
-        "fit": _fit_record(rig, calibration) if calibration is not None else None,
-        "problem": problem,
-        "unlinked": sorted(lost),
+        **result,
         "target": _target_record(rig, target, calibration),
         "target_pose": None if target.pose is None else target.pose.tolist(),
     }
 
 
 def _is_determined(calibration: RigCalibration) -> bool:
-    """True if all numbers of a fitted rig are finite."""
-    u = calibration.uncertainty
-    said = np.array([calibration.rms, u.rotation_deg, u.translation_percent, u.rms])
     numbers = (
-        said,
+        np.array([calibration.rms, *astuple(calibration.uncertainty)]),
         calibration.covariance,
         calibration.poses,
         *(camera.intrinsics for camera in calibration.cameras),
@@ -126,27 +121,15 @@ def _is_determined(calibration: RigCalibration) -> bool:
     return all(bool(np.isfinite(each).all()) for each in numbers)
 
 
-def _held_out(rig: _Rig, calibration: RigCalibration) -> float | None:
-    """Cross-validate the rig; None if that is not possible, or takes too long."""
-    moments = thin(rig.moments, MAX_HELD_OUT_POINTS)
-    return deadline.compute_within(MAX_HELD_OUT_S, lambda: held_out_rms(moments, calibration), None)
-
-
 def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
-    u, shape = calibration.uncertainty, calibration.board_shape
-    deviations = [
-        np.sqrt(np.maximum(np.diagonal(calibration.pose_covariance(i)), 0)) for i in range(rig.count)
-    ]
+    shape, positions = calibration.board_shape, range(rig.count)
+    variances = [np.diagonal(calibration.pose_covariance(i)) for i in positions]
     return {
-        "cameras": [_camera_record(rig, calibration, i) for i in range(rig.count)],
+        "cameras": [_camera_record(rig, calibration, i) for i in positions],
         "poses": calibration.poses.tolist(),
-        "std": [np.zeros(6).tolist(), *(deviation.tolist() for deviation in deviations[1:])],
+        "std": [np.sqrt(np.maximum(each, 0)).tolist() for each in variances],
         "rms": calibration.rms,
-        "uncertainty": {
-            "rotation_deg": u.rotation_deg,
-            "translation_percent": u.translation_percent,
-            "rms": u.rms,
-        },
+        "uncertainty": asdict(calibration.uncertainty),
         "set_aside": [
             {"moment": rig.names[m], "position": i, "reason": reason}
             for (m, i), reason in sorted(calibration.set_aside.items())
@@ -162,14 +145,11 @@ def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
 
 
 def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dict[str, Any]:
-    """Return one camera of the rig as a calibration record."""
     camera = calibration.cameras[position]
-    first = sum(len(other.intrinsics) for other in calibration.cameras[:position])
-    part = slice(first, first + len(camera.intrinsics))
     d = projection_jacobian_rotation_free(
         models.get(camera.model), camera.intrinsics, camera.img_size, UNCERTAINTY_GRID
     )
-    square = variance(d, calibration.covariance[part, part])
+    square = variance(d, calibration.intrinsics_covariance(position))
     square = np.maximum(square[np.isfinite(square)], 0)
     if not square.size:
         square = np.array([float(max(camera.img_size)) ** 2])
@@ -193,40 +173,30 @@ def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dic
 def _target_record(rig: _Rig, target: RigTarget, calibration: RigCalibration | None) -> dict[str, Any] | None:
     if not target.views:
         return None
-    hints = {n: _hint(rig, view, n, calibration) for n, view in target.views.items()}
-    first = hints[min(hints)]
+    cameras = []
+    for n, view in sorted(target.views.items()):
+        hint = _hint(rig, view, n, calibration)
+        hinted = replace(view, hint=hint.text, hint_code=hint.code).to_dict()
+        members = {name: value for name, value in hinted.items() if name not in ("purpose", "gain")}
+        cameras.append({"position": rig.positions[n], **members})
     return {
         "purpose": target.purpose,
-        "hint": first.text,
-        "hint_code": first.code,
-        "cameras": [
-            {
-                "position": rig.positions[n],
-                "rvec": view.rvec.tolist(),
-                "tvec": view.tvec.tolist(),
-                "ids": list(view.ids),
-                "corners": view.corners.tolist(),
-                "outline": view.outline.tolist(),
-                "hint": hints[n].text,
-                "hint_code": hints[n].code,
-            }
-            for n, view in sorted(target.views.items())
-        ],
+        "hint": cameras[0]["hint"],
+        "hint_code": cameras[0]["hint_code"],
+        "cameras": cameras,
     }
 
 
 def _hint(rig: _Rig, target: TargetPose, number: int, calibration: RigCalibration | None) -> Hint:
-    """Hint how to move the board from its last pose, as one camera sees it."""
-    poses = (
-        [] if calibration is None else [pose for pose in calibration.board_poses if np.isfinite(pose).all()]
-    )
-    if calibration is None or not poses:
-        return Hint.of(target.hint_code)
+    if calibration is None:
+        return Hint(target.hint_code)
+    poses = [pose for pose in calibration.board_poses if np.isfinite(pose).all()]
+    if not poses:
+        return Hint(target.hint_code)
     camera = calibration.cameras[number]
-    last = RigidMotion.of_vector(calibration.poses[number]) @ RigidMotion.of_vector(poses[-1])
-    r: Array = rotation.matrix(target.rvec)
+    last = calibration.motions[number] @ RigidMotion.of_vector(poses[-1])
     return largest_difference(
         Placement.of(rig.board, camera, last.r, last.t),
-        Placement.of(rig.board, camera, r, target.tvec),
+        Placement.of(rig.board, camera, target.r, target.tvec),
         camera.img_size[0],
     )

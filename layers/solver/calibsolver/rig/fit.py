@@ -1,58 +1,71 @@
 """Joint fit of a rig: intrinsics, relative poses and board poses, by the solver of one camera.
 
-The rig's noise is one number: residuals of a camera with more of it weigh less in proportion (`RigMember`).
+The residuals of cameras with more noise weigh less in proportion.
+
+A board that moved between the images of two cameras makes a moment whose views are right, but not together,
+and a fit to few moments bends to it. But then the rig has far more noise than its single cameras, and without
+that view it has not. So views are left out one at a time.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, IntArray, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance, systematic_effects
 from ..fitting.fit import MIN_SHAPE_VIEWS
-from ..fitting.levenberg_marquardt import Options, State
+from ..fitting.levenberg_marquardt import NOISE_FLOOR, Options, State
 from ..fitting.mixed_fit import MixedFit
 from ..fitting.mixed_model import SHAPE_SIZE
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
+from ..fitting.robust_homography import medians
 from ..fitting.validation import MIN_POINTS
 from ..rotation import vector
-from . import start as rig_start
 from . import transfer
 from .calibration import RigCalibration
-from .contradictions import (
-    check_links,
-    is_contradictory,
-    is_linked,
-    near_start,
-    without_contradicting_view,
+from .problem import Moment, RigProblem, thin, unlinked_cameras
+from .start import (
+    LocatedMoment,
+    RigidMotion,
+    Single,
+    Specification,
+    fit_alone,
+    locate_boards,
+    resected,
+    stack,
+    start,
+    symmetries,
 )
-from .problem import Moment, RigMember, RigProblem, pack_moments
-from .single import Single, Specification, fit_alone
-from .start import ResectedMoment, RigidMotion, RigStart
-from .thinning import thin
 
+MAX_JOINT_NOISE_RATIO = 1.5
+"""Noise of the rig / noise of its single cameras, from which a contradicting view is searched."""
+MIN_NOISE_DROP = 0.6
+"""Noise of the rig without a view / with it, below which the view is set aside."""
+MAX_START_MEDIANS = 3.0
+"""Error of a moment under the start / that of the typical one, up to which its views agree."""
+MIN_START_ERROR_WIDTHS = 1e-3
+"""Error under the start / image width below which a view agrees."""
+MAX_CANDIDATES = 12
 MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
-"""Rounds of outlier rejection."""
 MAX_UNSETTLED_ROUNDS = 3
-"""Rounds that end without convergence, after which the moments are taken to contradict each other."""
+"""Rounds without convergence after which the moments are taken to contradict each other."""
 ROUND = Options(iterations=40, tolerance=1e-8)
-"""One round: moments that agree need ten steps or twenty, and the next round continues there."""
+"""Moments that agree need ten to twenty steps."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
-"""Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
+"""Rms over all but gross outliers / rms of the inliers, up to which all of them count."""
 MIN_MOMENTS_PER_LATE_VIEW = 4
-"""Moments for each view that is set aside although no residual of its own stands out."""
+"""Moments for each view that is set aside although no residual stands out."""
 MAX_NOISE_RATIO = 4.0
-"""Noise of the noisiest camera / that of the quietest, beyond which it is taken for no larger."""
+"""Largest believed ratio of the noise of two cameras."""
 
 
 @undetermined()
@@ -70,26 +83,24 @@ def fit(
     Parameters
     ----------
     moments
-        Of each pose of the board, held still: the views by the positions of their cameras, in any unit of
-        length, the same for all.
+        Views of each pose of the board, held still, by the positions of their cameras, in any unit of length.
     cameras
         For each position the image size and the model to be fitted, or a `Camera` whose intrinsics are held.
     robust
-        Views that contradict the rig are set aside, and points beyond 4 sigma left out. Otherwise plain least
+        Set aside views that contradict the rig, and leave out points beyond 4 sigma. Otherwise plain least
         squares over all points, and a view that no camera could have seen raises.
     starts
         Cameras that may be near, by position.
     max_points
-        Points to which views are thinned (`thinning`), where the time is bounded; errors are those of the
-        points left.
+        Points to which views are thinned.
     board_shape
-        Estimate bend and stretch of the one board that all cameras see, as `calibsolver.fit` does.
+        As for `calibsolver.fit`, of the one board that all cameras see.
 
     Raises
     ------
     CalibrationError
-        As `calibsolver.fit`, the camera named; ``bad_rig`` where cameras or positions make no sense,
-        ``unlinked`` where some cameras share no moment with the others.
+        As `calibsolver.fit`, the camera named; ``bad_rig`` if cameras or positions make no sense,
+        ``unlinked`` if some cameras share no moment with the others.
     """
     moments = [dict(moment) for moment in moments]
     _check(moments, cameras)
@@ -97,18 +108,14 @@ def fit(
     if max_points is not None:
         moments = thin(moments, max_points)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
-        alone = [fit_alone(moments, i, each, robust, (starts or {}).get(i)) for i, each in enumerate(cameras)]
-        resected = [
-            ResectedMoment(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
-            for m, moment in enumerate(moments)
-        ]
-        linked = [m for m, moment in enumerate(resected) if moment.poses]
-        began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
-        return _RigFit(moments, alone, linked, began, robust, board_shape).run()
+        starts = starts or {}
+        alone = [fit_alone(moments, i, each, robust, starts.get(i)) for i, each in enumerate(cameras)]
+        usable = {m: each for m, each in enumerate(resected(moments, dict(enumerate(alone)))) if each.poses}
+        motions, located = start([each.camera for each in alone], list(usable.values()))
+        return _RigFit(moments, alone, list(usable), motions, located, robust, board_shape).run()
 
 
 def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
-    """Raise CalibrationError (``bad_rig``, ``no_views``, ``unlinked``) unless every camera has views."""
     if not MIN_RIG_CAMERAS <= len(cameras) <= MAX_RIG_CAMERAS:
         raise CalibrationError(
             "bad_rig", f"a rig has {MIN_RIG_CAMERAS} to {MAX_RIG_CAMERAS} cameras, not {len(cameras)}"
@@ -130,12 +137,13 @@ def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _RigFit:
-    """One joint fit: moments, the single cameras, moments that have a pose, the start."""
+    """One joint fit. `linked`: numbers of the moments that are `located`."""
 
     given: Sequence[Moment]
     alone: Sequence[Single]
     linked: Sequence[int]
-    began: RigStart
+    motions: Sequence[RigidMotion]
+    located: Sequence[LocatedMoment]
     robust: bool
     board_shape: bool
 
@@ -143,69 +151,62 @@ class _RigFit:
     def noises(self) -> Array:
         """Noise (c,) of one coordinate of a corner of each camera, px."""
         result = np.maximum([each.noise for each in self.alone], 1e-12)
-        out: Array = np.minimum(result, MAX_NOISE_RATIO * result.min())
-        return out
+        return np.asarray(np.minimum(result, MAX_NOISE_RATIO * result.min()))
 
     @cached_property
     def noise(self) -> float:
-        """Noise of the single cameras, px."""
         return float(np.exp(np.log(self.noises).mean()))
 
     @cached_property
     def problem(self) -> RigProblem:
-        """Cameras and observations of the moments that have a pose."""
-        count = len(self.alone)
-        lengths = [max(len(m[i]) for m in self.began.moments if i in m) for i in range(count)]
-        starts = np.cumsum([0, *lengths]).tolist()
-        noises, common = self.noises, self.noise if self.robust else 1.0
-        members = tuple(
-            RigMember(
-                models.get(each.camera.model),
-                each.camera.img_size,
-                each.camera.intrinsics if each.is_held else None,
-                slice(starts[i], starts[i + 1]),
-                common / float(noises[i]) if self.robust else 1.0,
-            )
-            for i, each in enumerate(self.alone)
-        )
-        return RigProblem(members, pack_moments(self.began.moments, lengths))
+        cameras, held = [each.camera for each in self.alone], [each.is_held for each in self.alone]
+        weights = [self.noise / float(noise) for noise in self.noises] if self.robust else None
+        return RigProblem.of([each.views for each in self.located], cameras, held, weights)
 
     @cached_property
     def mask(self) -> Mask:
-        """Points (m, n) that may take part: of views that their own camera explains."""
-        mask = self.problem.obs.mask.copy()
+        """Points (m, n) of views that their own camera explains."""
+        return self._without(self.problem.obs.mask, self._refused_alone())
+
+    def _without(self, mask: Mask, views: Mapping[tuple[int, int], str]) -> Mask:
+        left = mask.copy()
+        for view, row, slots in self._views():
+            if view in views:
+                left[row, slots] = False
+        return left
+
+    def _views(self) -> Iterator[tuple[tuple[int, int], int, slice]]:
+        """Views (moment, position) of the linked moments, their rows and columns."""
         for row, m in enumerate(self.linked):
-            for i, member in enumerate(self.problem.members):
-                if m in self.alone[i].reasons:
-                    mask[row, member.slots] = False
-        return mask
+            for i in self.given[m]:
+                yield (m, i), row, self.problem.members[i].slots
 
     def run(self) -> RigCalibration:
-        """Fit from the start."""
         problem = self.problem
-        motions = np.array([each.vector() for each in self.began.cameras])
+        motions = np.array([each.vector() for each in self.motions])
         k = problem.pack([each.camera.intrinsics for each in self.alone], motions)
-        boards = self.began.boards
-        state = problem.at(
-            k, Poses(np.array([each.r for each in boards]), np.array([each.t for each in boards]))
-        )
+        state = problem.at(k, Poses(*stack([each.board for each in self.located])))
         if not self.robust:
             return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
         state, good = self._begin(state)
         among = self.mask
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
-            if not is_contradictory(problem, state, good, self.noise):
+            if not self._is_contradictory(state, good):
                 break
-            outcome = without_contradicting_view(problem, state, among)
+            outcome = self._without_contradicting_view(state, among)
             if outcome is None:
                 break
             among = outcome[1]
             state, good = self._least_squares(*outcome, among)
-        check_links(problem, good)
+        lost = self._find_unlinked(good)
+        if lost:
+            raise CalibrationError(
+                "unlinked", f"what camera {lost[0]} saw contradicts the others: too few moments are left"
+            )
         return self._shaped(state, good) or self._result(state, good)
 
     def _shaped(self, state: State, good: Mask) -> RigCalibration | None:
-        """Fit the board's shape with the rest; None if it explains no more than chance and motion do."""
+        """Result with the board's shape; None if it explains no more than chance and motion do."""
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
         noise2 = self._sigma(state, good) ** 2
@@ -219,24 +220,85 @@ class _RigFit:
         return self._result(shaped, good, mixed)
 
     def _begin(self, state: State) -> tuple[State, Mask]:
-        """Fit from the start: with all views, and where some contradict, with those near the start first."""
-        problem, near = self.problem, near_start(self.problem, state, self.mask)
+        """Fit with all views, and if some contradict, with those near the start first.
+
+        A compromise of moments that contradict each other may be far from all of them.
+        """
+        problem, near = self.problem, self._near_start(state)
         begun: list[tuple[bool, int, State, Mask]] = []
         for first in (self.mask,) if near is self.mask else (self.mask, near):
             moved = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
             fitted, good = self._least_squares(moved, self.mask, first)
-            believed = fitted.converged and not is_contradictory(problem, fitted, good, self.noise)
-            begun.append((believed and is_linked(problem, good), int(good.sum()), fitted, good))
+            believed = fitted.converged and not self._is_contradictory(fitted, good)
+            is_linked = not self._find_unlinked(good)
+            begun.append((believed and is_linked, int(good.sum()), fitted, good))
             if believed and np.array_equal(good, self.mask):
                 break
         _, _, state, good = max(begun, key=lambda each: each[:2])
         return state, good
 
-    def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
-        """Fit to points `among` (m, n) but for outliers; state, and the points that took part.
+    def _near_start(self, state: State) -> Mask:
+        """Points (m, n) whose views agree with the start; all if without the others cameras are unlinked."""
+        mask, visible = self.mask, self.problem.seen_by(self.mask)
+        errors = np.full(visible.shape, np.nan)
+        for i, member in enumerate(self.problem.members):
+            square = medians(state.square[:, member.slots], mask[:, member.slots])
+            errors[visible[:, i], i] = np.sqrt(square[visible[:, i]]) / (member.weight * member.img_size[0])
+        shared = np.isfinite(errors).sum(axis=1) > 1
+        if not shared.any():
+            return mask
+        typical = float(np.median(np.nanmax(errors[shared], axis=1)))
+        far = errors > max(MAX_START_MEDIANS * typical, MIN_START_ERROR_WIDTHS)
+        if not far.any():
+            return mask
+        left = mask.copy()
+        for i, member in enumerate(self.problem.members):
+            left[far[:, i], member.slots] = False
+        return mask if self._find_unlinked(left) else left
 
-        Those of `first` (m, n) say how much noise there is before anything is left out.
+    def _is_contradictory(self, state: State, good: Mask) -> bool:
+        joint = float(np.sqrt(np.mean(state.square[good]) / 2))
+        return joint > MAX_JOINT_NOISE_RATIO * max(self.noise, NOISE_FLOOR * self.problem.width)
+
+    def _without_contradicting_view(self, state: State, among: Mask) -> tuple[State, Mask] | None:
+        """Leave out the view that explains most of the noise of points `among` (m, n); None if no view does.
+
+        Returns the state near the optimum, and the points left.
         """
+        noise = float(np.sqrt(np.mean(state.square[among])))
+        candidates: list[tuple[float, State, Mask]] = []
+        for row, slots in self._candidates(state, among):
+            left = among.copy()
+            left[row, slots] = False
+            if self._find_unlinked(left):
+                continue
+            moved = self.problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
+            if moved.is_finite:
+                candidates.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
+        if not candidates:
+            return None
+        least, moved, left = min(candidates, key=lambda each: each[0])
+        return (moved, left) if least < MIN_NOISE_DROP * noise else None
+
+    def _find_unlinked(self, good: Mask) -> tuple[int, ...]:
+        moments = [np.flatnonzero(seen).tolist() for seen in self.problem.seen_by(good)]
+        return unlinked_cameras(len(self.alone), moments)
+
+    def _candidates(self, state: State, among: Mask) -> list[tuple[int, slice]]:
+        errors = []
+        for row in range(len(among)):
+            views = [member.slots for member in self.problem.members if among[row, member.slots].any()]
+            if len(views) > 1:
+                # of two views either may be the late one: which of them is left out is all the same
+                errors += [
+                    (float(np.mean(state.square[row, slots][among[row, slots]])), row, slots)
+                    for slots in views[len(views) == 2 :]
+                ]
+        errors.sort(key=lambda each: -each[0])
+        return [(row, slots) for _, row, slots in errors[:MAX_CANDIDATES]]
+
+    def _least_squares(self, state: State, among: Mask, first: Mask) -> tuple[State, Mask]:
+        """State and inliers `among` points (m, n); those of `first` show how much noise there is at first."""
         inliers = self._inliers(state, among, first, outliers.GROSS_OUTLIER_SIGMAS)
         state, good = self._reject_outliers(state, among, inliers)
         if state.converged and good.any() and not np.array_equal(inliers, good):
@@ -249,9 +311,9 @@ class _RigFit:
     def _inliers(self, state: State, mask: Mask, among: Mask, sigmas: float) -> Mask:
         """Inlier mask (m, n) of the points of `mask`; the noise is that of those `among` them.
 
-        A view most of whose points lie beyond so many `sigmas` is left out whole.
-        Of the others single points are left out only from MIN_OUTLIER_WIDTHS on: what a detector finds has
-        tails, and they hardly move a rig.
+        A view most of whose points lie beyond so many `sigmas` is left out whole. Single points of other
+        views are left out only from MIN_OUTLIER_WIDTHS on: detectors' errors have tails, and they hardly
+        move a rig.
         """
         near = outliers.near_points(state, mask, among, sigmas, self.problem.width)
         if near is mask:
@@ -260,16 +322,14 @@ class _RigFit:
         for member in self.problem.members:
             counts = near[:, member.slots].sum(axis=1)
             there = mask[:, member.slots].sum(axis=1)
-            good[:, member.slots] &= (counts >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
-                :, None
-            ]
+            enough = counts >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there)
+            good[:, member.slots] &= enough[:, None]
         return good
 
     def _reject_outliers(self, state: State, mask: Mask, inliers: Mask) -> tuple[State, Mask]:
-        """Fit to points of `mask` (m, n) and reject outliers in turn, from those of `inliers` on."""
         good, unsettled = inliers, 0
         for _ in range(MAX_REJECTIONS):
-            if not is_linked(self.problem, good):
+            if self._find_unlinked(good):
                 return state, good  # refused later
             state = self.problem.solve(state, outliers.unit_weights(good), ROUND)
             previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)
@@ -288,16 +348,12 @@ class _RigFit:
         return max(sigma, levenberg_marquardt.ROUNDOFF * self.problem.width)
 
     def _labels(self, state: State, good: Mask) -> IntArray:
-        """Clusters (m,) of moments with the board in nearly the same pose."""
         image = self.problem.members[0]
         focal = float(image.model.focal(self.problem.intrinsics(state.k, 0))[0]) / image.img_size[0]
         return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
 
     def _result(self, optimum: State, good: Mask, mixed: MixedFit | None = None) -> RigCalibration:
-        """Describe the optimum; `good` (m, n) are the points that took part.
-
-        `mixed`: how the board's shape was fitted, which the optimum then has; None: it is as drawn.
-        """
+        """Result at the optimum; `mixed`: how the board's shape was fitted."""
         if not optimum.converged:
             raise CalibrationError(
                 "not_converged", "the fit did not settle: the moments contradict each other"
@@ -311,9 +367,7 @@ class _RigFit:
         self._check_domain(cameras, state, good)
         sigma = self._sigma(state, good)
         poses = problem.camera_poses(state.k)
-        taken: slice | IntArray = slice(None)
-        if not good.any(axis=1).all():
-            taken = np.flatnonzero(good.any(axis=1))
+        taken = np.flatnonzero(good.any(axis=1))
         rows, counted = state.rows[:, :, taken], good[taken]
         distances = transfer.working_distances(problem, state, good)
         jacobian = transfer.jacobian(problem, state.k, distances)
@@ -337,8 +391,11 @@ class _RigFit:
         square = np.where(obs.mask, state.square, 0.0)
         for member in problem.members:
             square[:, member.slots] /= member.weight**2
+        errors = {}
+        for view, row, slots in self._views():
+            errors[view] = float(np.sqrt(square[row, slots].sum() / obs.mask[row, slots].sum()))
         aside = self._set_aside(good)
-        left = self._points_with_pose(square, aside)
+        left = self._without(obs.mask & np.isfinite(square), aside)
         board_poses = np.full((len(self.given), 6), np.nan)
         board_poses[list(self.linked)] = np.concatenate([vector(state.poses.r), state.poses.t], axis=1)
         return RigCalibration(
@@ -346,57 +403,35 @@ class _RigFit:
             poses=frozen(poses),
             board_poses=frozen(board_poses),
             rms=float(np.sqrt(square[left].sum() / max(left.sum(), 1))),
-            view_errors=self._view_errors(square),
+            view_errors=errors,
             covariance=frozen(self._all_intrinsics(covariance)),
             noise=sigma,
             inflation=spread.inflation,
             uncertainty=transfer.uncertainty(problem, state.k, jacobian, covariance, distances),
             working_distances=frozen(distances),
             set_aside=aside,
-            turned=tuple((self.linked[row], position) for row, position in self.began.turned),
+            turned=tuple(
+                (m, i) for m, each in zip(self.linked, self.located, strict=True) for i in each.turned
+            ),
             board_shape=shape,
         )
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
-        """Raise CalibrationError if many points lie where a camera's model is not one-to-one."""
-        in_rig, vectors = (
-            state.poses.camera_points(self.problem.obs.points),
-            self.problem.camera_poses(state.k),
-        )
-        for i, (camera, member) in enumerate(zip(cameras, self.problem.members, strict=True)):
-            p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-            inside = camera.valid(p)[good[:, member.slots]]
+        points = self.problem.points_before_cameras(state.k, state.poses, self.problem.obs)
+        for i, p in enumerate(points):
+            inside = cameras[i].valid(p.transpose(0, 2, 1))[good[:, self.problem.members[i].slots]]
             if inside.size and np.mean(~inside) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
                 raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
 
+    def _refused_alone(self) -> dict[tuple[int, int], str]:
+        return {(m, i): why for i, each in enumerate(self.alone) for m, why in each.reasons.items()}
+
     def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:
-        """Reasons why views are wholly left out, by (moment, position)."""
-        reasons = {(m, i): why for i, each in enumerate(self.alone) for m, why in each.reasons.items()}
-        for row, m in enumerate(self.linked):
-            for i in self.given[m]:
-                if not good[row, self.problem.members[i].slots].any():
-                    reasons.setdefault((m, i), "contradicts")
+        reasons = self._refused_alone()
+        for view, row, slots in self._views():
+            if not good[row, slots].any():
+                reasons.setdefault(view, "contradicts")
         return reasons
-
-    def _points_with_pose(self, square: Array, aside: Mapping[tuple[int, int], str]) -> Mask:
-        """Mask (m, n) of the points given, but for those of views set aside, which have no board pose."""
-        left = self.problem.obs.mask & np.isfinite(square)
-        for row, m in enumerate(self.linked):
-            for i, member in enumerate(self.problem.members):
-                if (m, i) in aside:
-                    left[row, member.slots] = False
-        return left
-
-    def _view_errors(self, square: Array) -> dict[tuple[int, int], float]:
-        """Rms, px, of each view under the rig, by (moment, position)."""
-        errors = {}
-        for row, m in enumerate(self.linked):
-            for i in self.given[m]:
-                part = self.problem.members[i].slots
-                errors[m, i] = float(
-                    np.sqrt(square[row, part].sum() / self.problem.obs.mask[row, part].sum())
-                )
-        return errors
 
     def _all_intrinsics(self, covariance: Array) -> Array:
         """Covariance (q, q) with rows and columns of 0 for intrinsics that are held."""
@@ -405,3 +440,67 @@ class _RigFit:
         out = np.zeros((sum(map(len, held)) + 6 * (len(held) - 1),) * 2)
         out[np.ix_(free, free)] = covariance
         return out
+
+
+FOLDS = 5
+
+
+@undetermined()
+def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> float | None:
+    """px, rms over all points of the moments left out, whose board poses are fitted.
+
+    Views that the fit set aside stay out. None if no part can be left out without unlinking cameras.
+    """
+    used = [
+        {i: view for i, view in moment.items() if (m, i) not in calibration.set_aside}
+        for m, moment in enumerate(moments)
+    ]
+    used = [moment for moment in used if moment]
+    # Intrinsics without variance were held.
+    cameras: list[Specification] = [
+        (camera.img_size, camera.model) if calibration.intrinsics_covariance(i).any() else camera
+        for i, camera in enumerate(calibration.cameras)
+    ]
+    squares, points = 0.0, 0
+    for fold in range(min(FOLDS, len(used))):
+        training = [moment for m, moment in enumerate(used) if m % FOLDS != fold]
+        try:
+            starts, bends = dict(enumerate(calibration.cameras)), calibration.board_shape is not None
+            rig = fit(training, cameras, starts=starts, board_shape=bends)
+        except CalibrationError:
+            continue  # nothing is left that links the cameras, or too little of one of them
+        square, count = _score(rig, rig.shaped(used[fold::FOLDS]))
+        squares, points = squares + square, points + count
+    return float(np.sqrt(squares / points)) if points else None
+
+
+class _HeldRig(RigProblem):
+    """Rig of which only the board's poses are fitted."""
+
+    def at(self, k: Array, poses: Poses) -> State:
+        state = super().at(k, poses)
+        return replace(state, rows=state.rows[self.size :], prior_jacobian=state.prior_jacobian[:, :0])
+
+    def free(self, da: Array) -> Array:
+        return np.zeros((self.size, len(da))) @ da  # no direction is free
+
+
+def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
+    """Sum of the squared distances, px^2, over moments whose board poses are fitted, and number of points."""
+    alone = {
+        i: fit_alone(moments, i, camera, True, None)
+        for i, camera in enumerate(rig.cameras)
+        if any(i in moment for moment in moments)
+    }
+    usable = [moment for moment in resected(moments, alone) if moment.poses]
+    turns = symmetries([view for moment in moments for view in moment.values()])
+    located = locate_boards(rig.cameras, rig.motions, usable, turns)
+    if not located:
+        return 0.0, 0
+    problem = _HeldRig.of([each.views for each in located], rig.cameras, [True] * len(rig.cameras))
+    poses = Poses(*stack([each.board for each in located]))
+    k = problem.pack([camera.intrinsics for camera in rig.cameras], rig.poses)
+    with np.errstate(all="ignore"):
+        state = problem.solve(problem.at(k, poses), problem.obs.mask.astype(float), Options(with_prior=False))
+    mask = problem.obs.mask & np.isfinite(state.square)
+    return float(state.square[mask].sum()), int(mask.sum())

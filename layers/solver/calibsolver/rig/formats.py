@@ -1,7 +1,7 @@
-"""Files of other tools that hold a rig: cameras, and where they are to each other.
+"""Files of rigs for other tools.
 
-Each camera is written as `calibsolver.formats` writes it, converted where a tool lacks its model. Poses are
-x -> R x + t from camera 0 (or, in Kalibr's chain, from the camera before) to a camera, in the rig's unit.
+Each camera is written as `calibsolver.formats` writes it. Poses are x -> R x + t from camera 0 (in Kalibr's
+chain from the camera before) to a camera, in the rig's unit.
 """
 
 import io
@@ -25,7 +25,7 @@ from .rectification import Rectification, rectify
 from .start import RigidMotion
 
 ZIP_TIME = (1980, 1, 1, 0, 0, 0)
-"""Time of the members of an archive: equal rigs make equal files."""
+"""Equal rigs make equal files."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,18 +34,14 @@ class RigSource:
 
     Attributes
     ----------
-    cameras
-        By position.
     poses
         (c, 6) rvec|tvec, camera 0 -> camera i.
     unit
         Unit of the translations: ``squares`` or ``metres``.
     names
         Labels of the cameras; empty: their numbers.
-    identifier
-        The rig's id, or "".
     record
-        All that the service answers about it.
+        The service's answer about it, which the format ``json`` contains.
     """
 
     cameras: Sequence[Camera]
@@ -64,73 +60,65 @@ class RigSource:
         return self.names[position] if self.names else f"cam{position}"
 
 
+@dataclass(frozen=True)
+class _Converted:
+    source: ExportSource
+    conversion: Conversion
+    form: Format
+
+    def text(self) -> str:
+        return self.form.write(self.source, self.conversion).decode()
+
+
+Files = dict[str, bytes]
+Writer = Callable[[RigSource, Sequence[_Converted]], Files]
+
+
 def write(source: RigSource, name: str) -> ExportedFile:
     """Write a rig as the format called `name`: one file, or a zip archive of several.
 
-    Raises CalibrationError ``unknown_format``, or ``not_representable`` where the format cannot hold it.
+    Raises CalibrationError ``unknown_format`` or ``not_representable``.
     """
-    writer = WRITERS.get(name)
-    if writer is None:
+    if name not in WRITERS:
         raise CalibrationError(
             "unknown_format", f"no format of rigs is called {name!r}; there are {', '.join(WRITERS)}"
         )
-    files = writer(source)
+    form, writer, media_type = WRITERS[name]
+    converted = [] if form is None else _convert(source, form)
+    files = writer(source, converted)
+    error = max((each.conversion.error for each in converted), default=0.0)
+    warning = None
+    if error > MAX_INVISIBLE_PX:
+        warning = f"Approximation: up to {error:.2f} px off somewhere in an image."
     stem = f"{formats.slug(source.identifier) if source.identifier else 'rig'}-{name}"
-    if len(files.files) == 1:
-        (filename, content), *_ = files.files.items()
-        return ExportedFile(content, files.media_type, f"{stem}-{filename}", files.error, 1.0, files.warning)
-    return ExportedFile(
-        _archive(files.files), "application/zip", f"{stem}.zip", files.error, 1.0, files.warning
-    )
-
-
-@dataclass(frozen=True)
-class _RigFiles:
-    """Files by name, and the largest error of a converted camera, px."""
-
-    files: dict[str, bytes]
-    media_type: str
-    error: float = 0.0
-
-    @property
-    def warning(self) -> str | None:
-        return (
-            f"Approximation: up to {self.error:.2f} px off somewhere in an image."
-            if self.error > MAX_INVISIBLE_PX
-            else None
-        )
-
-
-def _archive(files: Mapping[str, bytes]) -> bytes:
+    if len(files) == 1:
+        (filename, content), *_ = files.items()
+        return ExportedFile(content, media_type, f"{stem}-{filename}", error, 1.0, warning)
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for filename, content in files.items():
             archive.writestr(zipfile.ZipInfo(filename, ZIP_TIME), content, zipfile.ZIP_DEFLATED)
-    return packed.getvalue()
+    return ExportedFile(packed.getvalue(), "application/zip", f"{stem}.zip", error, 1.0, warning)
 
 
-def _convert(source: RigSource, form: Format) -> list[tuple[ExportSource, Conversion]]:
-    """Convert the cameras to those that a format can hold."""
-    conversions = []
+def _convert(source: RigSource, form: Format) -> list[_Converted]:
+    converted = []
     for i, camera in enumerate(source.cameras):
         single = ExportSource(camera, name=source.name(i), identifier=source.identifier)
         try:
-            conversions.append((single, form.check(form.convert(single))))
+            converted.append(_Converted(single, form.check(form.convert(single)), form))
         except CalibrationError as error:
             raise CalibrationError(error.code, f"camera {i}: {error.message}") from error
-    return conversions
+    return converted
 
 
-def _worst(converted: Sequence[tuple[ExportSource, Conversion]]) -> float:
-    return max(conversion.error for _, conversion in converted)
-
-
-def _opencv(source: RigSource) -> _RigFiles:
-    """Stereo YAML of camera 0 and each other camera, with the matrices that cv2.stereoRectify returns."""
-    converted = _convert(source, opencv.OpenCvYaml())
+def _opencv(source: RigSource, converted: Sequence[_Converted]) -> Files:
+    """Stereo YAML of camera 0 and each other camera, as of cv2.stereoRectify."""
+    short = {"camera_matrix": "K", "distortion_coefficients": "D", "xi": "xi"}
     files = {}
     for i in range(1, len(source.cameras)):
-        one, other = converted[0][1].camera, converted[i][1].camera
+        pair = converted[0].conversion, converted[i].conversion
+        one, other = (conversion.camera for conversion in pair)
         motion = source.motion(i)
         essential = rotation.skew(motion.t) @ motion.r
         k1, k2 = np.asarray(one.matrix), np.asarray(other.matrix)
@@ -138,11 +126,9 @@ def _opencv(source: RigSource) -> _RigFiles:
         if abs(fundamental[2, 2]) > 0:
             fundamental = fundamental / fundamental[2, 2]
         members: dict[str, Array] = {}
-        for side, conversion in (("1", converted[0][1]), ("2", converted[i][1])):
+        for side, conversion in enumerate(pair, start=1):
             for key, value in opencv.matrices(conversion).items():
-                members[{"camera_matrix": "K", "distortion_coefficients": "D", "xi": "xi"}[key] + side] = (
-                    value
-                )
+                members[f"{short[key]}{side}"] = value
         members |= {"R": motion.r, "T": motion.t[:, None], "E": essential, "F": fundamental}
         if rectification := _rectification(one, other, motion):
             members |= {name: getattr(rectification, name.lower()) for name in ("R1", "R2", "P1", "P2", "Q")}
@@ -158,53 +144,41 @@ def _opencv(source: RigSource) -> _RigFiles:
         for key, value in members.items():
             body += opencv.yaml_matrix(key, value)
         files[f"stereo-0-{i}.yml"] = text.lines("%YAML:1.0", "---", body)
-    return _RigFiles(files, "application/yaml", _worst(converted))
+    return files
 
 
-def _ros(source: RigSource) -> _RigFiles:
-    """CameraInfo YAML of each camera; of two cameras rectified, as stereo_image_proc wants it."""
-    form = ros.Ros()
-    converted = _convert(source, form)
-    rectification = None
-    if len(source.cameras) == 2:
-        rectification = _rectification(converted[0][1].camera, converted[1][1].camera, source.motion(1))
-    files = {}
-    for i, (single, conversion) in enumerate(converted):
-        if rectification is None:
-            content = form.write(single, conversion)
-        else:
-            r, p = ((rectification.r1, rectification.p1), (rectification.r2, rectification.p2))[i]
-            content = form.write_rectified(single, conversion, r, p)
-        files[f"{('left', 'right')[i] if len(source.cameras) == 2 else f'cam{i}'}.yaml"] = content
-    return _RigFiles(files, "application/yaml", _worst(converted))
+def _ros(source: RigSource, converted: Sequence[_Converted]) -> Files:
+    """CameraInfo YAML of each camera; of two cameras rectified, as stereo_image_proc requires."""
+    if len(converted) != 2:
+        return {f"cam{i}.yaml": each.text().encode() for i, each in enumerate(converted)}
+    left, right = converted
+    found = _rectification(left.conversion.camera, right.conversion.camera, source.motion(1))
+    if found is None:
+        return {"left.yaml": left.text().encode(), "right.yaml": right.text().encode()}
+    return {
+        "left.yaml": ROS.write_rectified(left.source, left.conversion, found.r1, found.p1),
+        "right.yaml": ROS.write_rectified(right.source, right.conversion, found.r2, found.p2),
+    }
 
 
-def _kalibr(source: RigSource) -> _RigFiles:
+def _kalibr(source: RigSource, converted: Sequence[_Converted]) -> Files:
     """Camchain: each camera with the pose from the one before it, T_cn_cnm1."""
-    form = kalibr.Kalibr()
-    converted = _convert(source, form)
-    parts = []
-    for i, (single, conversion) in enumerate(converted):
-        chain = form.write(single, conversion).decode()
-        chain = chain.replace("cam0:", f"cam{i}:").replace("/cam0/", f"/cam{i}/")
+    parts = [f"# translations in {source.unit}\n"]
+    for i, each in enumerate(converted):
+        chain = each.text().replace("cam0:", f"cam{i}:").replace("/cam0/", f"/cam{i}/")
         if i:
             step = source.motion(i) @ source.motion(i - 1).inverse()
             rows = [*np.column_stack([step.r, step.t]), (0.0, 0.0, 0.0, 1.0)]
             chain += "  T_cn_cnm1:\n" + "".join(f"  - [{text.numbers(row)}]\n" for row in rows)
         parts.append(chain)
-    note = f"# translations in {source.unit}\n"
-    return _RigFiles(
-        {"camchain.yaml": (note + "".join(parts)).encode()}, "application/yaml", _worst(converted)
-    )
+    return {"camchain.yaml": "".join(parts).encode()}
 
 
-def _colmap(source: RigSource) -> _RigFiles:
-    """cameras.txt and rig_config.json; its poses are those of cameras in the rig, camera 0 the reference."""
-    form = colmap.Colmap()
-    converted = _convert(source, form)
+def _colmap(source: RigSource, converted: Sequence[_Converted]) -> Files:
+    """cameras.txt and rig_config.json, camera 0 the reference."""
     rows, cameras = [], []
-    for i, (single, conversion) in enumerate(converted):
-        line = form.write(single, conversion).decode().strip().splitlines()[-1].split()
+    for i, each in enumerate(converted):
+        line = each.text().strip().splitlines()[-1].split()
         rows.append(" ".join([str(i + 1), *line[1:]]))
         entry: dict[str, Any] = {
             "image_prefix": f"cam{i}/",
@@ -222,29 +196,22 @@ def _colmap(source: RigSource) -> _RigFiles:
         "# Camera list with one line of data per camera:",
         "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]",
     ]
-    return _RigFiles(
-        {
-            "cameras.txt": text.lines(head, rows),
-            "rig_config.json": (json.dumps([{"cameras": cameras}], indent=2) + "\n").encode(),
-        },
-        "text/plain; charset=utf-8",
-        _worst(converted),
-    )
+    return {
+        "cameras.txt": text.lines(head, rows),
+        "rig_config.json": (json.dumps([{"cameras": cameras}], indent=2) + "\n").encode(),
+    }
 
 
-def _mrcal(source: RigSource) -> _RigFiles:
+def _mrcal(source: RigSource, converted: Sequence[_Converted]) -> Files:
     """Model of each camera, `rt_cam_ref` the pose from camera 0."""
-    form = formats.FORMATS["mrcal"]
-    converted = _convert(source, form)
     files = {}
-    for i, (single, conversion) in enumerate(converted):
+    for i, each in enumerate(converted):
         pose = f"[ {text.numbers(source.poses[i])}]"
-        content = form.write(single, conversion).decode()
-        files[f"cam{i}.cameramodel"] = content.replace("[ 0, 0, 0, 0, 0, 0,]", pose).encode()
-    return _RigFiles(files, "text/plain; charset=utf-8", _worst(converted))
+        files[f"cam{i}.cameramodel"] = each.text().replace("[ 0, 0, 0, 0, 0, 0,]", pose).encode()
+    return files
 
 
-def _gltf(source: RigSource) -> _RigFiles:
+def _gltf(source: RigSource, _: Sequence[_Converted]) -> Files:
     """Scene with a node for each camera; glTF's cameras look along -z with y up."""
     form = web.Gltf()
     flip = np.diag([1.0, -1.0, -1.0])
@@ -264,29 +231,29 @@ def _gltf(source: RigSource) -> _RigFiles:
         "nodes": nodes,
         "cameras": cameras,
     }
-    return _RigFiles({"rig.gltf": text.dump(scene)}, "model/gltf+json")
+    return {"rig.gltf": text.dump(scene)}
 
 
-def _json(source: RigSource) -> _RigFiles:
-    """Record of the service."""
-    return _RigFiles({"rig.json": text.dump(source.record)}, "application/json")
+def _json(source: RigSource, _: Sequence[_Converted]) -> Files:
+    return {"rig.json": text.dump(source.record)}
 
 
 def _rectification(one: Camera, other: Camera, motion: RigidMotion) -> Rectification | None:
-    """Rectification of two cameras; None if there is none that tools know."""
     try:
         return rectify(one, other, motion)
     except CalibrationError:
         return None
 
 
-WRITERS: Mapping[str, Callable[[RigSource], _RigFiles]] = {
-    "json": _json,
-    "opencv-yaml": _opencv,
-    "ros": _ros,
-    "kalibr": _kalibr,
-    "colmap": _colmap,
-    "mrcal": _mrcal,
-    "gltf": _gltf,
+ROS = ros.Ros()
+PLAIN_TEXT = "text/plain; charset=utf-8"
+WRITERS: Mapping[str, tuple[Format | None, Writer, str]] = {
+    "json": (None, _json, "application/json"),
+    "opencv-yaml": (opencv.OpenCvYaml(), _opencv, "application/yaml"),
+    "ros": (ROS, _ros, "application/yaml"),
+    "kalibr": (kalibr.Kalibr(), _kalibr, "application/yaml"),
+    "colmap": (colmap.Colmap(), _colmap, PLAIN_TEXT),
+    "mrcal": (formats.FORMATS["mrcal"], _mrcal, PLAIN_TEXT),
+    "gltf": (None, _gltf, "model/gltf+json"),
 }
-"""Writers of rigs by the names of their formats."""
+"""Per format: that of one camera to which cameras are converted, writer, media type of a single file."""

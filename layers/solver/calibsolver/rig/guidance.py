@@ -1,10 +1,9 @@
-"""Guidance of a rig: the moment after which its predicted error is least, as every camera would see it.
+"""Guidance of a rig: the moment after which its predicted error is least.
 
-The search is that of one camera (`guidance.search`): poses that a person can hold, sampled wide and then ever
-closer around the best. Poses are drawn in front of each camera in turn, and scored by all cameras that would
-see enough of the board. So poses that several cameras see usually win. A close-up for only one camera wins if
-its lens is known least. Errors of hands and boards are assumed to be as large as in the moments so far:
-information is divided by the rig's inflation.
+The search is as in `guidance.search`. Poses are drawn in front of each camera in turn, and scored by all
+cameras that would see enough of the board: a pose that several cameras see usually wins, or a close-up for
+one camera whose lens is known least. Information is divided by the rig's inflation, as if the errors of
+hands and boards were as large as in the moments so far.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
 from ..board import Board
 from ..camera import Camera
@@ -24,44 +22,41 @@ from ..guidance import candidates
 from ..guidance.candidates import CornerGrid, PoseLimits, RayGrid
 from ..guidance.posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
 from ..guidance.projection_uncertainty import ProjectionUncertainty
+from ..guidance.search import is_similar
 from ..guidance.target import TargetPose
+from ..view import View
 from . import transfer
 from .calibration import RigCalibration
-from .problem import Moment, RigMember, RigProblem, unlinked_cameras
-from .single import Specification
-from .start import RigidMotion
+from .problem import Moment, RigProblem, unlinked_cameras
+from .start import RigidMotion, Specification
 
 LIMITS = PoseLimits(width=(0.14, 1.1), max_tilt_deg=50.0, max_roll_deg=40.0, min_visible=0.5)
-"""Limits before the camera that leads: a board that two cameras see may have to be far away."""
+"""For the camera that leads: a board that two cameras see may have to be far away."""
 OTHER_LIMITS = replace(LIMITS, min_visible=0.3, max_incidence_deg=72.0)
-"""Limits before the others: beyond, their views are not counted on."""
+"""For the others: beyond, their views are not counted on."""
 SAMPLES = 96
-"""Poses that are tried before each camera that leads."""
 MAX_LEADERS = 4
-"""Cameras before which poses are drawn for one target, at most: the others have their turn with the next."""
+"""Cameras that lead for one target: the others have their turn with the next."""
 ELITE_COUNT, NEAR_SAMPLES = 4, 12
 RIG_SEARCH_RADII = (0.25, 0.15, 0.08)
-"""Poses that are refined in a round, samples around each, and the radii of the rounds."""
 LINKING = ((0.5, 0.35), (0.8, 0.3), (0.2, 0.3), (0.5, 0.2), (0.85, 0.2), (0.15, 0.2))
-"""Targets that are to link cameras, in turn: place / image width, length of the board / image."""
+"""Targets that are to link cameras: place / image width, length of the board / image."""
 EQUAL_ERROR_RATIO = 1.03
-"""Error after a pose / least error within which poses count as equally good: the most cameras decide."""
+"""Error / least error within which poses count as equally good: the most cameras decide."""
 
 
 @dataclass(frozen=True, eq=False)
 class RigTarget:
-    """A moment to be captured.
+    """Moment to be captured.
 
     Attributes
     ----------
     pose
         (6,) rvec|tvec, board -> camera 0; None if the rig is not known yet.
     views
-        The target as each camera would see it, by position; those that would not see the board are left out.
-    purpose
-        Purpose of the moment, one English phrase.
+        The target by position, as each camera that would see the board would see it.
     unlinked
-        Positions of the cameras that have shared no moment with camera 0 yet, directly or by way of others.
+        Positions that no chain of moments links to camera 0.
     """
 
     pose: Array | None
@@ -85,10 +80,8 @@ def next_moment(
     ----------
     cameras
         As for `fit`.
-    moments
-        The moments so far.
     calibration
-        The fit to them; None if there is none, since cameras share no moment yet.
+        The fit to the `moments`, or None.
     skipped
         (6,) poses, board -> camera 0, that the user could not reach: others are chosen.
     missed
@@ -98,18 +91,17 @@ def next_moment(
     if calibration is None or lost:
         return _link(board, cameras, moments, lost, missed)
     with np.errstate(all="ignore"):
-        found = _Search(board, cameras, calibration, skipped).best(len(moments))
-    if found is None:
+        pose = _Search(board, cameras, calibration, skipped).best(len(moments))
+    if pose is None:
         return _link(board, cameras, moments, lost, missed)
-    pose = RigidMotion(*found)
     views = {}
-    for i, vector in enumerate(calibration.poses):
-        camera = calibration.cameras[i]
-        seen = RigidMotion.of_vector(vector) @ pose
-        target = TargetPose.seen(board, camera, seen.r, seen.t, "to join the cameras", 0.0)
+    purpose = "to join the cameras"
+    for i, motion in enumerate(calibration.motions):
+        seen = motion @ pose
+        target = TargetPose.seen(board, calibration.cameras[i], seen.r, seen.t, purpose, 0.0)
         if target.ids:
             views[i] = target
-    return RigTarget(frozen(pose.vector()), views, "to join the cameras")
+    return RigTarget(frozen(pose.vector()), views, purpose)
 
 
 def _link(
@@ -119,9 +111,9 @@ def _link(
     lost: Sequence[int],
     missed: int,
 ) -> RigTarget:
-    """Target wholly visible in one picture: another camera should see the board at the same time.
+    """Target wholly visible to one camera; another should see the board at the same time.
 
-    The place of that camera is unknown, so each attempt is elsewhere: farther away, and to the sides.
+    The place of that camera is unknown, so each attempt is elsewhere.
     """
     lead = lost[0] if lost and any(lost[0] in moment for moment in moments) else 0
     given = cameras[lead]
@@ -153,20 +145,12 @@ class _Search:
     ) -> None:
         self.board = board
         self.cameras = calibration.cameras
-        self.motions = [RigidMotion.of_vector(pose) for pose in calibration.poses]
+        self.motions = calibration.motions
         self.corners = CornerGrid.of(board, 5)
         self.skipped = [RigidMotion.of_vector(np.asarray(pose)) for pose in skipped]
-        count = self.corners.points.shape[1]
-        self.members = tuple(
-            RigMember(
-                models.get(camera.model),
-                camera.img_size,
-                camera.intrinsics if isinstance(given, Camera) else None,
-                slice(i * count, (i + 1) * count),
-            )
-            for i, (camera, given) in enumerate(zip(self.cameras, cameras, strict=True))
-        )
-        problem = self._problem(np.zeros((1, count * len(cameras)), dtype=bool))
+        grid = View(self.corners.points.T, self.corners.points[:2].T)
+        held = [isinstance(each, Camera) for each in cameras]
+        self.problem = problem = RigProblem.of([dict.fromkeys(range(len(cameras)), grid)], self.cameras, held)
         self.k = problem.pack([camera.intrinsics for camera in self.cameras], calibration.poses)
         free = np.flatnonzero(np.diagonal(calibration.covariance) > 0)
         if len(free) != problem.size:
@@ -178,8 +162,8 @@ class _Search:
         self.metric = flat.T @ flat / max(len(jacobian), 1)
         self.rays = [RayGrid.of(camera) for camera in self.cameras]
 
-    def best(self, index: int) -> tuple[Array, Array] | None:
-        """Find the best pose, board -> camera 0: rotation (3, 3) and translation (3,); None if none is."""
+    def best(self, index: int) -> RigidMotion | None:
+        """Best pose, board -> camera 0, or None."""
         count = len(self.cameras)
         leaders = [(index + i) % count for i in range(min(count, MAX_LEADERS))]
         unit = np.concatenate([candidates.r_sequence(SAMPLES, index)] * len(leaders))
@@ -199,10 +183,10 @@ class _Search:
         ties = np.flatnonzero(error <= EQUAL_ERROR_RATIO * error.min())
         chosen = ties[np.lexsort((error[ties], -sharing[ties]))[0]]
         poses = self._poses(unit[chosen : chosen + 1], lead[chosen : chosen + 1])
-        return poses.r[0], poses.t[0]
+        return RigidMotion(poses.r[0], poses.t[0])
 
     def _poses(self, unit: Array, lead: IntArray) -> Poses:
-        """Poses, board -> camera 0, of points (c, 6) of the unit cube before the cameras that lead (c,)."""
+        """Poses, board -> camera 0, of points (c, 6) of the unit cube in front of cameras `lead` (c,)."""
         r, t = np.empty((len(unit), 3, 3)), np.empty((len(unit), 3))
         for i in np.unique(lead).tolist():
             rows = np.flatnonzero(lead == i)
@@ -218,12 +202,13 @@ class _Search:
         sharing = seen.sum(axis=1)
         feasible = seen[np.arange(len(lead)), lead]
         for each in self.skipped:
-            feasible &= ~self._is_near(poses, each)
+            feasible &= ~is_similar(poses, each.r, each.t, self.board)
         use = np.flatnonzero(feasible)
         error = np.full(len(unit), np.inf)
         if use.size:
-            problem = self._problem(visible[use])
-            state = problem.at(self.k, Poses(poses.r[use], poses.t[use]))
+            points = np.tile(self.problem.obs.points, (len(use), 1, 1))
+            obs = Observations(points, np.zeros_like(points[:, :2]), visible[use])
+            state = replace(self.problem, obs=obs).at(self.k, Poses(poses.r[use], poses.t[use]))
             rows = state.rows[:-1] * np.sqrt(self.corners.multiplicity)
             s = normal_equations.schur_complement(normal_equations.gram_matrices(rows))
             after = symmetric_inverse(self.information + s / self.noise2)
@@ -232,32 +217,18 @@ class _Search:
         return error, sharing
 
     def _visibility(self, poses: Poses, lead: IntArray) -> tuple[Mask, Mask]:
-        """Return corners (c, n) that count, in all cameras' slots, and cameras (c, k) that see candidates."""
-        count = self.corners.points.shape[1]
-        visible = np.zeros((len(lead), count * len(self.cameras)), dtype=bool)
+        """Corners (c, n) that count, in all cameras' slots, and cameras (c, k) that see candidates."""
+        visible = np.zeros((len(lead), self.problem.obs.mask.shape[1]), dtype=bool)
         seen = np.zeros((len(lead), len(self.cameras)), dtype=bool)
         for i, (camera, motion) in enumerate(zip(self.cameras, self.motions, strict=True)):
             there = Poses(motion.r @ poses.r, poses.t @ motion.r.T + motion.t)
             p = there.camera_points(self.corners.points)
-            q = self.members[i].model.project(camera.intrinsics, p.transpose(1, 0, 2)).transpose(1, 0, 2)
+            member = self.problem.members[i]
+            q = member.model.project(camera.intrinsics, p.transpose(1, 0, 2)).transpose(1, 0, 2)
             found, within = candidates.check_visibility(p, q, there.r, self.corners, camera, OTHER_LIMITS)
             _, as_leader = candidates.check_visibility(p, q, there.r, self.corners, camera, LIMITS)
             within = np.where(lead == i, as_leader, within)
             within &= candidates.is_in_front(there, self.board, self.rays[i])
             seen[:, i] = within
-            visible[:, self.members[i].slots] = (found == 1) & within[:, None]
+            visible[:, member.slots] = (found == 1) & within[:, None]
         return visible, seen
-
-    def _is_near(self, poses: Poses, skipped: RigidMotion) -> Mask:
-        """True if poses (c) resemble a skipped one: normals within 20 degrees, centres within 1.5 squares."""
-        center = self.board.outline.mean(axis=0)
-        distance = np.linalg.norm(poses.r @ center + poses.t - (skipped.r @ center + skipped.t), axis=1)
-        near: Mask = (poses.r[:, :, 2] @ skipped.r[:, 2] > np.cos(np.radians(20))) & (distance < 1.5)
-        return near
-
-    def _problem(self, visible: Mask) -> RigProblem:
-        """Cameras with the corner grid in the slots of each, as far as it is visible (c, n)."""
-        points = np.tile(self.corners.points, (len(visible), 1, len(self.members)))
-        return RigProblem(
-            self.members, Observations(points, np.zeros((len(visible), 2, points.shape[2])), visible)
-        )

@@ -1,17 +1,18 @@
 """Least squares of a rig: one board pose for each moment, seen by cameras that do not move to each other.
 
-The unknowns that all moments share are the intrinsics of the cameras that are free, one after the other, and
-then the poses rvec|tvec of cameras 1, 2, ... The points of one moment in all cameras are one row of padded
-arrays: each camera has its own columns in it, its slots, so that the solver of one camera does for rigs.
+The unknowns that all moments share are the intrinsics of the free cameras, one after the other, then the
+poses rvec|tvec of cameras 1, 2, ... The points of one moment in all cameras are one row of padded arrays,
+in which each camera has its own columns, its slots. So the solver of one camera also fits rigs.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
-from .. import rotation
+from .. import models, rotation
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..fitting import prior
@@ -29,7 +30,7 @@ Moment = Mapping[int, View]
 def unlinked_cameras(count: int, moments: Sequence[Iterable[int]]) -> tuple[int, ...]:
     """Positions of `count` cameras to which no chain of shared moments leads from camera 0.
 
-    Each moment is given by the positions of the cameras that have a view of it.
+    A moment is given by the positions of the cameras that have a view of it.
     """
     reached = {0}
     for _ in range(count):
@@ -41,18 +42,10 @@ def unlinked_cameras(count: int, moments: Sequence[Iterable[int]]) -> tuple[int,
 
 @dataclass(frozen=True, eq=False)
 class RigMember:
-    """One camera of a rig as the solver sees it.
+    """Camera of a rig as the solver sees it.
 
-    Attributes
-    ----------
-    model, img_size
-        Camera model, and width and height in px.
-    held
-        (p,) intrinsics that are known; None: they are fitted.
-    slots
-        Columns of the padded arrays that hold its points.
-    weight
-        Noise of the rig / noise of this camera: what its residuals are multiplied by.
+    `held`: intrinsics (p,), None if they are fitted. `slots`: columns of its points. `weight`: noise of
+    the rig / noise of this camera, by which its residuals are multiplied.
     """
 
     model: Model
@@ -77,18 +70,42 @@ class RigMember:
 
 @dataclass(frozen=True, eq=False)
 class RigProblem(LeastSquares):
-    """Cameras of a rig to be fitted to moments.
-
-    Attributes
-    ----------
-    members
-        The cameras, by position.
-    obs
-        Points (m, 3, n) and pixels (m, 2, n) of all moments; each camera's in its slots.
-    """
+    """Cameras of a rig to be fitted to moments, whose points each camera has in its slots of `obs`."""
 
     members: tuple[RigMember, ...]
     obs: Observations
+
+    @classmethod
+    def of(
+        cls,
+        moments: Sequence[Moment],
+        cameras: Sequence[Camera],
+        held: Sequence[bool],
+        weights: Sequence[float] | None = None,
+    ) -> Self:
+        """Problem of `cameras` by position; intrinsics of those `held` are known."""
+        lengths = [max((len(m[i]) for m in moments if i in m), default=0) for i in range(len(cameras))]
+        ends = np.cumsum([0, *lengths]).tolist()
+        members = tuple(
+            RigMember(
+                models.get(camera.model),
+                camera.img_size,
+                camera.intrinsics if held[i] else None,
+                slice(ends[i], ends[i + 1]),
+                weights[i] if weights else 1.0,
+            )
+            for i, camera in enumerate(cameras)
+        )
+        count = len(moments)
+        points, pixels = np.zeros((count, 3, ends[-1])), np.zeros((count, 2, ends[-1]))
+        mask: Mask = np.zeros((count, ends[-1]), dtype=bool)
+        for m, moment in enumerate(moments):
+            points[m] = next(iter(moment.values())).object_points[0][:, None]
+            for position, view in moment.items():
+                part = slice(ends[position], ends[position] + len(view))
+                points[m, :, part], pixels[m, :, part] = view.object_points.T, view.image_points.T
+                mask[m, part] = True
+        return cls(members, Observations(points, pixels, mask))
 
     @property
     def width(self) -> int:
@@ -105,7 +122,7 @@ class RigProblem(LeastSquares):
 
     @cached_property
     def row_positions(self) -> Array:
-        """Rows (m, n) of the points in the images of their cameras, as `row_position`."""
+        """Rows (m, n) of the points, as `row_position`."""
         out = np.zeros(self.obs.mask.shape)
         for member in self.members:
             part = member.slots
@@ -128,7 +145,7 @@ class RigProblem(LeastSquares):
         return k[start : start + member.model.size] if member.held is None else member.held
 
     def camera_poses(self, k: Array) -> Array:
-        """Poses (c, 6) rvec|tvec, camera 0 -> camera i, at shared unknowns k (p,)."""
+        """Poses (c, 6) rvec|tvec, camera 0 -> camera i."""
         count = POSE_SIZE * (len(self.members) - 1)
         tail = k[len(k) - count :].reshape(-1, POSE_SIZE)
         return np.concatenate([np.zeros((1, POSE_SIZE)), tail])
@@ -138,13 +155,23 @@ class RigProblem(LeastSquares):
         member = self.members[position]
         return Camera.from_intrinsics(member.model.name, self.intrinsics(k, position), member.img_size)
 
+    def points_before_cameras(self, k: Array, poses: Poses, obs: Observations) -> Iterator[Array]:
+        """Points (m, 3, n) of each camera's slots, in its frame."""
+        in_rig = poses.camera_points(obs.points)
+        for vector, member in zip(self.camera_poses(k), self.members, strict=True):
+            yield rotation.matrix(vector[:3]) @ in_rig[:, :, member.slots] + vector[3:, None]
+
+    def seen_by(self, mask: Mask) -> Mask:
+        """True (m, c) if a camera has points of `mask` (m, n) in a moment."""
+        return np.stack([mask[:, member.slots].any(axis=1) for member in self.members], axis=1)
+
     def is_feasible(self, k: Array) -> bool:
         """True if every camera has an image with the shared unknowns k (p,)."""
         every = [(member.model, self.intrinsics(k, i)) for i, member in enumerate(self.members)]
         return all(x[0] > 0 and x[1] > 0 and model.magnification(x[4:])[0] > 0 for model, x in every)
 
     def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
-        """Rows of a `State` at given shared unknowns (p,) and board poses, board -> camera 0."""
+        """Rows of a `State` at shared unknowns (p,) and board poses, board -> camera 0."""
         mask, size = obs.mask, before + self.size
         rows = np.empty((size + POSE_SIZE + 1, 2, *mask.shape))
         rotated = np.empty((3, *mask.shape))
@@ -180,12 +207,10 @@ class RigProblem(LeastSquares):
         return rows, rows[-1, 0] ** 2 + rows[-1, 1] ** 2
 
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
-        """Compute the weighted residuals (2, m, n) at given shared unknowns (p,) and board poses, px."""
-        in_rig, vectors = poses.camera_points(obs.points), self.camera_poses(k)
+        """Weighted residuals (2, m, n), px, at shared unknowns (p,) and board poses."""
         out = np.empty((2, *obs.mask.shape))
-        for i, member in enumerate(self.members):
-            part = member.slots
-            p = rotation.matrix(vectors[i, :3]) @ in_rig[:, :, part] + vectors[i, 3:, None]
+        for i, p in enumerate(self.points_before_cameras(k, poses, obs)):
+            member, part = self.members[i], self.members[i].slots
             q = member.model.project(self.intrinsics(k, i), p.transpose(1, 0, 2))
             out[:, :, part] = (q - obs.pixels[:, :, part].transpose(1, 0, 2)) * member.weight
         return np.where(obs.mask, out, 0.0)
@@ -193,8 +218,7 @@ class RigProblem(LeastSquares):
     def prior_information(self, k: Array) -> Array:
         """Information (p, p) of the prior of the free intrinsics."""
         _, j = self.prior(k)
-        m: Array = j.T @ j
-        return m
+        return np.asarray(j.T @ j)
 
     def prior(self, k: Array) -> tuple[Array, Array]:
         """Whitened residuals (m,) of the prior of the free intrinsics, and their Jacobian (m, p)."""
@@ -209,38 +233,21 @@ class RigProblem(LeastSquares):
         return np.concatenate(residuals), np.concatenate(jacobians)
 
 
-def pack_moments(moments: Sequence[Moment], lengths: Sequence[int]) -> Observations:
-    """Pack moments: camera i has `lengths[i]` columns, padded where it saw less, or nothing."""
-    total, count = sum(lengths), len(moments)
-    points, pixels = np.zeros((count, 3, total)), np.zeros((count, 2, total))
-    mask: Mask = np.zeros((count, total), dtype=bool)
-    starts = np.cumsum([0, *lengths])
-    for m, moment in enumerate(moments):
-        points[m] = next(iter(moment.values())).object_points[0][:, None]
-        for position, view in moment.items():
-            part = slice(starts[position], starts[position] + len(view))
-            points[m, :, part], pixels[m, :, part] = view.object_points.T, view.image_points.T
-            mask[m, part] = True
-    return Observations(points, pixels, mask)
-
-
 def left_jacobian(rvec: Array) -> Array:
     """Left Jacobian J (3, 3) of a rotation vector: matrix(r + d) = matrix(J d) matrix(r) to first order."""
     angle2 = float(rvec @ rvec)
     angle = np.sqrt(angle2)
     k = rotation.skew(rvec)
     if angle < 1e-4:
-        small: Array = np.eye(3) + k / 2 + k @ k / 6
-        return small
+        return np.asarray(np.eye(3) + k / 2 + k @ k / 6)
     a, b = (1 - np.cos(angle)) / angle2, (angle - np.sin(angle)) / (angle2 * angle)
-    out: Array = np.eye(3) + a * k + b * (k @ k)
-    return out
+    return np.asarray(np.eye(3) + a * k + b * (k @ k))
 
 
 def cross(p: Array, b: Array) -> Array:
     """Products p x b (3, 2, ...) of points (3, ...) and derivatives by a point (3, 2, ...).
 
-    b . (w x p) = w . (p x b) is what a small turn w of the point does.
+    A small turn w of the point changes it by w x p, and b . (w x p) = w . (p x b).
     """
     x, y, z = p
     bx, by, bz = b
@@ -252,3 +259,31 @@ def cross(p: Array, b: Array) -> Array:
     np.multiply(x, by, out=product[2])
     product[2] -= y * bx
     return product
+
+
+MAX_ONLINE_POINTS = 16_000
+"""Maximum points of a rig's fit during a request: about a second for eight cameras."""
+MIN_KEPT_POINTS = 16
+GOLDEN_RATIO = (np.sqrt(5) - 1) / 2
+
+
+def thin(moments: Sequence[Moment], max_points: int) -> list[Moment]:
+    """Moments of about `max_points`: views have equally many at most, but MIN_KEPT_POINTS at least.
+
+    The solver's arrays have a column for each corner of the fullest view of each camera, in every moment.
+    """
+    count = len(moments) * len({position for moment in moments for position in moment})
+    share = max(max_points // max(count, 1), MIN_KEPT_POINTS)
+    return [{i: thin_view(view, share) for i, view in moment.items()} for moment in moments]
+
+
+def thin_view(view: View, count: int) -> View:
+    """View with `count` of its points, from all over it; itself if it has no more.
+
+    They are even by a golden-ratio sequence, where equal steps may meet the same column in every row.
+    """
+    if len(view) <= count:
+        return view
+    order = np.argsort(np.arange(1, len(view) + 1) * GOLDEN_RATIO % 1.0)
+    kept = np.sort(np.argsort(order, kind="stable")[:count])
+    return view.subset(kept)

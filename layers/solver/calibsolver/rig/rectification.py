@@ -1,7 +1,8 @@
 """Rectification of two cameras: both turned so that epipolar lines are rows, or columns.
 
-Bouguet's algorithm as OpenCV has it (Hartley & Zisserman, "Multiple View Geometry", 11.12): each camera is
-turned by half of the rotation between them, then both so that the baseline lies along an axis of the image.
+Bouguet's algorithm as in OpenCV (Hartley & Zisserman, "Multiple View Geometry", 11.12): each camera is
+turned by half of the rotation between them, then both so that the baseline lies along an axis of the
+image.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,6 @@ from ..errors import CalibrationError
 from .start import RigidMotion
 
 RIM_SAMPLES = 9
-"""Points along each edge of an image that are looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +25,11 @@ class Rectification:
     Attributes
     ----------
     r1, r2
-        (3, 3) rotations, camera frame -> rectified frame.
+        (3, 3) camera frame -> rectified frame.
     p1, p2
-        (3, 4) projections of the rectified frame of camera 0 to pixels, both of the first image's size.
+        (3, 4) rectified frame of camera 0 -> pixels, both of the first image's size.
     q
-        (4, 4) disparity to depth: (x, y, disparity, 1) -> homogeneous point.
+        (4, 4) (x, y, disparity, 1) -> homogeneous point.
     is_vertical
         True if the baseline, and with it disparities, lies along y.
     """
@@ -45,9 +45,9 @@ class Rectification:
 def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
     """Rectify two cameras, `motion` camera `one` -> camera `other`.
 
-    The common focal length is the smaller of the two, and the common principal point puts the middle of both
-    rectified images into the middle. Raises CalibrationError ``not_representable`` if the cameras are in
-    one place, or turned so far that no plane is in front of both.
+    Focal length: the smaller of the two. The principal point puts the middle of both rectified images into
+    the middle. Raises CalibrationError ``not_representable`` if the cameras are in one place, or no plane
+    is in front of both.
     """
     length = float(np.linalg.norm(motion.t))
     if not length > 0:
@@ -84,10 +84,7 @@ def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
 
 
 def _centre(camera: Camera, r: Array) -> Array:
-    """Mean (2,) of the rectified image's rim, for unit focal length.
-
-    Raises CalibrationError if the middle of the image lies behind the rectified plane.
-    """
+    """Mean (2,) of the rectified image's rim, for unit focal length."""
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, RIM_SAMPLES), np.linspace(0, h - 1, RIM_SAMPLES))
     rim = (x == 0) | (y == 0) | (x == w - 1) | (y == h - 1)
@@ -99,5 +96,4 @@ def _centre(camera: Camera, r: Array) -> Array:
         raise CalibrationError("not_representable", "the cameras look in directions too far apart")
     if len(visible) < 0.75 * rim.sum():  # of a wide lens the middle says where its picture is
         visible = middle
-    centre: Array = np.mean(visible[:, :2] / visible[:, 2:], axis=0)
-    return centre
+    return np.asarray(np.mean(visible[:, :2] / visible[:, 2:], axis=0))

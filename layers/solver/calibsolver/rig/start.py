@@ -1,15 +1,17 @@
 """Start of a rig's fit: relative poses of the cameras by robust averaging over moments.
 
-Each moment that two cameras share gives their relative pose. One view may show the board turned: a plain
-chessboard looks the same after half a turn, a square one after a quarter, and a detector numbers its corners
-from whichever corner comes first. So each moment's relative pose is a hypothesis; the one that explains the
-other moments best, their views turned where that explains them better, is averaged with those that agree
-(hypothesize and verify, as RANSAC does; the chordal mean of rotations: Hartley et al., "Rotation averaging",
-2013). A maximum spanning tree of shared moments leads from camera 0 to all the others.
+One view may show the board turned: a plain chessboard looks the same after half a turn, a square one after
+a quarter, and a detector numbers its corners from whichever corner comes first. So each moment's relative
+pose is a hypothesis. The one that explains the other moments best, their views turned if that explains
+them better, is averaged with those that agree (as RANSAC; the chordal mean of rotations: Hartley et al.,
+"Rotation averaging", 2013). A maximum spanning tree of shared moments leads from camera 0 to all the
+others.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -17,20 +19,24 @@ from .. import models, rotation
 from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
+from ..fitting.approximation import Approximation, approximate
+from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
 from ..fitting.observations import Observations
+from ..fitting.resection import resect
+from ..fitting.validation import MIN_POINTS, check
 from ..view import View
 from .problem import Moment
 
 MAX_HYPOTHESES = 40
-"""Relative poses of a pair of cameras that are tried, at most."""
 MAX_POINTS_AT_ONCE = 2**15
-"""Points that are projected in one batch of hypotheses, at most: more do not fit a cache."""
+"""Points of one batch of hypotheses: more do not fit a cache."""
 MAX_START_ERROR_WIDTHS = 0.04
-"""Distance of points / image width from which it does not matter how far away they are."""
+"""Distance / image width from which it does not matter how far away points are."""
 MIN_TURN_GAIN = 3.0
-"""Error of a view as it came / error of it turned from which it is taken for turned."""
+"""Error of a view as it came / error of it turned, from which it is taken as turned."""
 SQUARE_RATIO = 1e-3
-"""Relative difference of a board's sides below which a quarter turn leaves it the same."""
+"""Relative difference of a board's sides below which it counts as square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,35 +64,12 @@ class RigidMotion:
 
     def __call__(self, points: Array) -> Array:
         """Points (n, 3) after the motion."""
-        moved: Array = points @ self.r.T + self.t
-        return moved
-
-
-@dataclass(frozen=True, eq=False)
-class RigStart:
-    """Relative poses of the cameras, and the moments as they are believed to be.
-
-    Attributes
-    ----------
-    cameras
-        Motions camera 0 -> camera i.
-    boards
-        Motions board -> camera 0 of each moment.
-    moments
-        The moments with turned views turned back.
-    turned
-        (moment, position) of the views that were turned back.
-    """
-
-    cameras: tuple[RigidMotion, ...]
-    boards: tuple[RigidMotion, ...]
-    moments: tuple[Moment, ...]
-    turned: tuple[tuple[int, int], ...]
+        return np.asarray(points @ self.r.T + self.t)
 
 
 @dataclass(frozen=True, eq=False)
 class ResectedMoment:
-    """A moment's views with the pose of the board in each single camera (position -> motion)."""
+    """Moment's views, and motions board -> camera by position."""
 
     views: Moment
     poses: Mapping[int, RigidMotion]
@@ -94,21 +77,22 @@ class ResectedMoment:
 
 @dataclass(frozen=True, eq=False)
 class LocatedMoment:
-    """A moment: motion board -> camera 0, views turned back, and the positions of those that were turned."""
+    """Moment: motion board -> camera 0, views turned back, and the positions of those that were turned."""
 
     board: RigidMotion
     views: Moment
     turned: tuple[int, ...]
 
 
-def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> RigStart:
-    """Find the relative poses of `cameras`, which are nearly known, from moments.
+def start(
+    cameras: Sequence[Camera], moments: Sequence[ResectedMoment]
+) -> tuple[list[RigidMotion], list[LocatedMoment]]:
+    """Motions camera 0 -> each of `cameras`, which are nearly known, and where the board is in each moment.
 
-    Raises CalibrationError ``unlinked`` if some cameras share no moment with the others, directly or by
-    way of third ones.
+    Raises CalibrationError ``unlinked``.
     """
     turns = symmetries([view for moment in moments for view in moment.views.values()])
-    links = _links(moments)
+    links = Counter(pair for moment in moments for pair in combinations(sorted(moment.poses), 2))
     to_rig = {0: RigidMotion(np.eye(3), np.zeros(3))}
     while len(to_rig) < len(cameras):
         reachable = {pair: n for pair, n in links.items() if (pair[0] in to_rig) != (pair[1] in to_rig)}
@@ -121,18 +105,12 @@ def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> RigSt
         pair = max(reachable, key=lambda each: (reachable[each], (-each[0], -each[1])))
         placed, new = pair if pair[0] in to_rig else pair[::-1]
         to_rig[new] = _relative_pose(cameras, placed, new, moments, turns) @ to_rig[placed]
-    motions = tuple(to_rig[i] for i in range(len(cameras)))
-    settled = locate_boards(cameras, motions, moments, turns)
-    return RigStart(
-        motions,
-        tuple(each.board for each in settled),
-        tuple(each.views for each in settled),
-        tuple((m, position) for m, each in enumerate(settled) for position in each.turned),
-    )
+    motions = [to_rig[i] for i in range(len(cameras))]
+    return motions, locate_boards(cameras, motions, moments, turns)
 
 
 def symmetries(views: Sequence[View]) -> tuple[RigidMotion, ...]:
-    """Find the turns of the board about its middle that leave its lattice the same, the identity first."""
+    """Turns of the board about its middle that leave its lattice the same, the identity first."""
     points = np.concatenate([view.object_points for view in views])
     low, high = points.min(axis=0), points.max(axis=0)
     middle, (width, height, _) = (low + high) / 2, high - low
@@ -150,32 +128,13 @@ def stack(motions: Sequence[RigidMotion]) -> tuple[Array, Array]:
 
 
 def turn_back(view: View, turn: RigidMotion) -> View:
-    """View of the board turned: each pixel belongs to the point that the turn leads to."""
+    """View of the board turned: each pixel belongs to the point to which the turn leads."""
     return replace(view, object_points=turn(view.object_points))
-
-
-def _links(moments: Sequence[ResectedMoment]) -> dict[tuple[int, int], int]:
-    """Count the moments that each pair of cameras shares."""
-    links: dict[tuple[int, int], int] = {}
-    for moment in moments:
-        positions = sorted(moment.poses)
-        for a in range(len(positions)):
-            for b in range(a + 1, len(positions)):
-                links[positions[a], positions[b]] = links.get((positions[a], positions[b]), 0) + 1
-    return links
 
 
 @dataclass(frozen=True, eq=False)
 class _PaddedViews:
-    """Views of one camera as padded arrays, under each turn of the board.
-
-    Attributes
-    ----------
-    points
-        (s, m, 3, n) board frame, of each of the turns.
-    pixels
-        (m, 2, n) px, NaN where there is none.
-    """
+    """Views of one camera: points (s, m, 3, n) under each turn, pixels (m, 2, n), NaN where there is none."""
 
     camera: Camera
     points: Array
@@ -183,17 +142,16 @@ class _PaddedViews:
 
     @classmethod
     def of(cls, camera: Camera, views: Sequence[View], turns: Sequence[RigidMotion]) -> "_PaddedViews":
-        """Pack views of one camera."""
         obs = Observations.of(views)
         pixels = np.where(obs.mask[:, None], obs.pixels, np.nan)
         turned = [turn.r @ obs.points + turn.t[:, None] for turn in turns]
         return cls(camera, np.stack(turned), pixels)
 
     def errors(self, r: Array, t: Array) -> tuple[Array, IntArray]:
-        """Median distances (..., m), px, of views from their predictions, and the turns that make them so.
+        """Median distances (..., m), px, of views from their predictions, and the turns with these distances.
 
-        Infinite where half of the points cannot be seen; boards r (..., m, 3, 3), t (..., m, 3) are in the
-        camera's frame.
+        Infinite if half of the points cannot be seen. Boards r (..., m, 3, 3), t (..., m, 3) are in the
+        camera frame.
         """
         model, k = models.get(self.camera.model), self.camera.intrinsics
         p = r[..., None, :, :, :] @ self.points + t[..., None, :, :, None]
@@ -218,7 +176,7 @@ def _relative_pose(
     moments: Sequence[ResectedMoment],
     turns: Sequence[RigidMotion],
 ) -> RigidMotion:
-    """Pose camera `one` -> camera `other` that most of the moments they share agree on."""
+    """Pose camera `one` -> camera `other` on which most of their shared moments agree."""
     shared = [moment for moment in moments if one in moment.poses and other in moment.poses]
     padded = _PaddedViews.of(cameras[other], [moment.views[other] for moment in shared], turns)
     width = cameras[other].img_size[0]
@@ -254,10 +212,10 @@ def locate_boards(
 ) -> list[LocatedMoment]:
     """Find where the board is in each moment, and which views number it from another side.
 
-    The view with which most of the others agree says where the board is. The fewest turns are believed; of
-    two views either of which may be turned, the one that shows the board upright is as it should be.
+    The view with which most of the others agree decides, then the fewest turns. Of two views either of
+    which may be turned, the one that shows the board upright is as it should be.
     """
-    best: list[tuple[tuple[float, ...], RigidMotion, dict[int, int]] | None] = [None] * len(moments)
+    hypotheses: list[list[tuple[tuple[float, ...], RigidMotion, dict[int, int]]]] = [[] for _ in moments]
     for reference in range(len(cameras)):
         with_pose = [m for m, moment in enumerate(moments) if reference in moment.poses]
         back = motions[reference].inverse()
@@ -269,9 +227,8 @@ def locate_boards(
                 continue
             padded = _PaddedViews.of(camera, [moments[m].views[position] for m in shared], turns)
             errors, turned = padded.errors(*stack([motions[position] @ boards[m] for m in shared]))
-            for m, error, turn in zip(
-                shared, (errors / camera.img_size[0]).tolist(), turned.tolist(), strict=True
-            ):
+            widths = (errors / camera.img_size[0]).tolist()
+            for m, error, turn in zip(shared, widths, turned.tolist(), strict=True):
                 costs[m] += min(error, MAX_START_ERROR_WIDTHS)
                 if error < MAX_START_ERROR_WIDTHS:
                     labels[m][position] = turn
@@ -279,24 +236,78 @@ def locate_boards(
             turned_count = sum(turn > 0 for turn in labels[m].values())
             pose = moments[m].poses[reference]
             upright = pose.r[0, 0] + pose.r[1, 1]
-            rank = (
-                -len(labels[m]),
-                turned_count,
-                -round(upright) if turned_count else 0,
-                costs[m],
-                reference,
-            )
-            motion = best[m]
-            if motion is None or rank < motion[0]:
-                best[m] = rank, boards[m], labels[m]
-    settled = []
-    for moment, motions_of_moment in zip(moments, best, strict=True):
-        if motions_of_moment is None:
-            raise CalibrationError("degenerate", "a moment has no view of which the pose is known")
-        _, board, turned_by = motions_of_moment
-        views = {
-            position: turn_back(view, turns[turned_by[position]]) if turned_by.get(position) else view
-            for position, view in moment.views.items()
-        }
-        settled.append(LocatedMoment(board, views, tuple(i for i, turn in turned_by.items() if turn)))
-    return settled
+            lean = -round(upright) if turned_count else 0
+            rank = (-len(labels[m]), turned_count, lean, costs[m], reference)
+            hypotheses[m].append((rank, boards[m], labels[m]))
+    located = []
+    for moment, each in zip(moments, hypotheses, strict=True):
+        _, board, turned_by = min(each, key=lambda ranked: ranked[0])
+        turned_positions = tuple(i for i, turn in turned_by.items() if turn)
+        views = dict(moment.views)
+        for i in turned_positions:
+            views[i] = turn_back(views[i], turns[turned_by[i]])
+        located.append(LocatedMoment(board, views, turned_positions))
+    return located
+
+
+Specification = Camera | tuple[tuple[int, int], str]
+"""Camera whose intrinsics are held, or image size (width, height) in px and model to be fitted."""
+
+
+@dataclass(frozen=True, eq=False)
+class Single:
+    """Single camera; poses and reasons by moment, noise in px."""
+
+    camera: Camera
+    is_held: bool
+    poses: Mapping[int, RigidMotion]
+    reasons: Mapping[int, str]
+    noise: float
+
+
+def fit_alone(
+    moments: Sequence[Moment], position: int, given: Specification, robust: bool, near: Camera | None
+) -> Single:
+    """Fit, or resect, the views of one camera; CalibrationError names the camera."""
+    numbers = [m for m, moment in enumerate(moments) if position in moment]
+    views = [moments[m][position] for m in numbers]
+    try:
+        if isinstance(given, Camera):
+            return _resect(given, numbers, views, robust)
+        size, model = given
+        result: Calibration | Approximation
+        if robust:
+            result = approximate(views, size, model, start=near)
+        else:
+            result = fit(views, size, model, robust=False, start=near)
+    except CalibrationError as error:
+        raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
+    poses = {
+        m: RigidMotion.of_vector(result.poses[i]) for i, m in enumerate(numbers) if i not in result.cut_views
+    }
+    reasons = {numbers[i]: reason for i, reason in result.cut_views.items()}
+    return Single(result.camera, False, poses, reasons, result.noise)
+
+
+def resected(moments: Sequence[Moment], alone: Mapping[int, Single]) -> list[ResectedMoment]:
+    """Moments with the poses that their cameras, fitted `alone`, have."""
+    return [
+        ResectedMoment(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
+        for m, moment in enumerate(moments)
+    ]
+
+
+def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View], robust: bool) -> Single:
+    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS or not robust]
+    if not usable:
+        raise CalibrationError("too_few_points", f"every view needs {MIN_POINTS} points")
+    obs = check([views[i] for i in usable], camera.img_size)
+    poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
+    count = obs.mask.sum(axis=1)
+    finite = np.isfinite(square)
+    if not finite.any():
+        raise CalibrationError("no_fit", "no view can be explained with the intrinsics given")
+    spread = square[finite] / np.maximum(2 * count[finite] - 6, 1)
+    found = {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(finite).tolist()}
+    refused = {m: "outlier" for m in numbers if m not in found}
+    return Single(camera, True, found, refused, float(np.sqrt(np.median(spread))))

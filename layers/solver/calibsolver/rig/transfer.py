@@ -1,8 +1,8 @@
 """Transfer of points between the cameras of a rig, its derivatives, and the predicted error.
 
-A pixel of camera i becomes the point at working distance along its ray, and a pixel of camera j. A turn of a
-camera's frame that its relative pose makes good changes nothing, so this error is free of what intrinsics and
-poses exchange between them.
+A pixel of camera i becomes the point at working distance along its ray, and a pixel of camera j. This
+error is free of what intrinsics and poses exchange between them: a turn of a camera's frame that its pose
+makes good.
 """
 
 import numpy as np
@@ -13,38 +13,30 @@ from ..camera import pixel_grid
 from ..fitting import normal_equations
 from ..fitting.levenberg_marquardt import State
 from ..fitting.uncertainty import variance
+from ..models import Model
 from .calibration import RigUncertainty
 from .problem import RigProblem, cross, left_jacobian
-from .start import RigidMotion
 
 GRID = (12, 9)
-"""Pixels (columns, rows) of each camera whose transfer is looked at."""
 MIN_SHARED = 3
-"""Pixels that two cameras share at least for their transfer to count."""
 
 
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
-    """Median distance (c,) of each camera from the board's points that it and another camera saw.
-
-    In board units. Close-ups for a single camera say nothing about where both look.
-    """
-    views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
-    shared = views.sum(axis=1) > 1
-    in_rig, vectors = state.poses.camera_points(problem.obs.points), problem.camera_poses(state.k)
-    out = np.empty(len(problem.members))
-    for i, member in enumerate(problem.members):
-        p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-        counted = good[:, member.slots] & shared[:, None]
-        distances = np.linalg.norm(p, axis=2)[counted]
-        out[i] = np.median(distances) if distances.size else np.nan
+    """Median distance (c,), board units, of each camera from points that it and another camera saw."""
+    shared = problem.seen_by(good).sum(axis=1) > 1
+    out = np.full(len(problem.members), np.nan)
+    for i, p in enumerate(problem.points_before_cameras(state.k, state.poses, problem.obs)):
+        distances = np.linalg.norm(p, axis=1)[good[:, problem.members[i].slots] & shared[:, None]]
+        if distances.size:
+            out[i] = np.median(distances)
     return np.where(np.isfinite(out), out, np.nanmedian(out))
 
 
 def jacobian(problem: RigProblem, k: Array, distances: Array) -> Array:
-    """Differentiate transferred pixels by the shared unknowns, (n, 2, p), of all ordered pairs of cameras.
+    """Derivatives (n, 2, p) of transferred pixels by the shared unknowns, of all ordered pairs of cameras.
 
-    Of pixels on a grid that land in the other image. Where no two cameras share any, the direction to the
-    point from the other camera counts instead, times that camera's focal length.
+    The pixels are those on a grid that land in the other image. If no two cameras share any: directions to
+    the points from the other camera, times that camera's focal length.
     """
     count = len(problem.members)
     pairs = [(i, j) for i in range(count) for j in range(count) if i != j]
@@ -58,16 +50,15 @@ def jacobian(problem: RigProblem, k: Array, distances: Array) -> Array:
 def metric(jacobian: Array, rows: Array, used: Mask) -> Array:
     """Metric W (p, p): trace(covariance W) is the mean square error of transfer, px^2."""
     flat = jacobian.reshape(-1, jacobian.shape[2])
-    if not flat.size or not np.isfinite(flat).all():
+    if not flat.size:
         return normal_equations.reduced_information(rows[:-1] * used)
-    m: Array = flat.T @ flat / len(jacobian)
-    return m
+    return np.asarray(flat.T @ flat / len(jacobian))
 
 
 def uncertainty(
     problem: RigProblem, k: Array, jacobian: Array, covariance: Array, distances: Array
 ) -> RigUncertainty:
-    """Predict the error of a rig whose shared unknowns have a covariance (p, p)."""
+    """Predicted error of a rig whose shared unknowns have a covariance (p, p)."""
     turns, shifts = [], []
     for i, pose in enumerate(problem.camera_poses(k)[1:], start=1):
         part = slice(problem.offsets[1][i], problem.offsets[1][i] + 6)
@@ -82,7 +73,7 @@ def uncertainty(
 
 
 def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, inside: bool) -> Array:
-    """Differentiate the transfer of pixels from camera i to camera j by the shared unknowns, (n, 2, p)."""
+    """Derivatives (n, 2, p) of the transfer of pixels from camera i to camera j by the shared unknowns."""
     one, other = problem.members[i], problem.members[j]
     vectors = problem.camera_poses(k)
     k_i, k_j = problem.intrinsics(k, i), problem.intrinsics(k, j)
@@ -90,14 +81,13 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     rays = one.model.unproject(k_i, pixel_grid(one.img_size, GRID).reshape(2, -1))
     rays = rays[:, np.isfinite(rays).all(axis=0)]
     x_i = distance * rays
-    in_rig = r_i.T @ (x_i - vectors[i, 3:, None])
-    turned = r_j @ in_rig
+    turned = r_j @ (r_i.T @ (x_i - vectors[i, 3:, None]))
     x_j = turned + vectors[j, 3:, None]
     if inside:
         q = other.model.project(k_j, x_j)
         w, h = other.img_size
         visible = other.model.valid(k_j[4:], x_j) & (q[0] > 0) & (q[1] > 0) & (q[0] < w - 1) & (q[1] < h - 1)
-        rays, x_i, in_rig, turned, x_j = (a[:, visible] for a in (rays, x_i, in_rig, turned, x_j))
+        rays, x_i, turned, x_j = (a[:, visible] for a in (rays, x_i, turned, x_j))
         _, by_kj, by_xj = other.model.jacobian(k_j, x_j)
     else:
         by_kj, by_xj = np.zeros((other.model.size, 2, x_j.shape[1])), _by_direction(x_j)
@@ -107,7 +97,7 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     if other.held is None:
         out[problem.offsets[0][j] :][: other.model.size] = by_kj
     if one.held is None:
-        by_ray = np.einsum("can,ncp->pan", by_xi * distance, _ray_derivatives(problem, k_i, i, rays))
+        by_ray = np.einsum("can,ncp->pan", by_xi * distance, _ray_derivatives(one.model, k_i, rays))
         out[problem.offsets[0][i] :][: one.model.size] += by_ray
     if j:
         at = problem.offsets[1][j]
@@ -122,18 +112,16 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     return d[np.isfinite(d).all(axis=(1, 2))]
 
 
-def _ray_derivatives(problem: RigProblem, k: Array, position: int, rays: Array) -> Array:
-    """Differentiate the unit rays (3, n) of fixed pixels by the intrinsics of their camera, (n, 3, p)."""
-    _, by_k, by_p = problem.members[position].model.jacobian(k, rays)
+def _ray_derivatives(model: Model, k: Array, rays: Array) -> Array:
+    """Derivatives (n, 3, p) of the unit rays (3, n) of fixed pixels by the intrinsics k (p,)."""
+    _, by_k, by_p = model.jacobian(k, rays)
     a = by_p.transpose(2, 1, 0)
     inverse = a.transpose(0, 2, 1) @ np.linalg.inv(a @ a.transpose(0, 2, 1))
-    out: Array = -inverse @ by_k.transpose(2, 1, 0)
-    return out
+    return np.asarray(-inverse @ by_k.transpose(2, 1, 0))
 
 
 def _by_direction(x: Array) -> Array:
-    """Differentiate two angles, radians, of the direction to points (3, n) by the points, (3, 2, n)."""
+    """Derivatives (3, 2, n) of two angles, radians, of the direction to points (3, n) by the points."""
     length = np.linalg.norm(x, axis=0)
     axes = rotation.rotation_to_ray((x / length).T)[:, :, :2]  # (n, 3, 2)
-    out: Array = axes.transpose(1, 2, 0) / length
-    return out
+    return np.asarray(axes.transpose(1, 2, 0) / length)

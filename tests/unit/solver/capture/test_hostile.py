@@ -59,12 +59,16 @@ class Session:
             self.target = self.rules.next_target(self.views, self.estimate)
         return True
 
-    def finish(self, max_attempts: int = 14) -> float:
-        """Go on honestly until it converges: mean projection error, px."""
+    def show(self, view: Callable[[], View], max_attempts: int = 40) -> None:
+        """Submit views until the capture ends."""
         for _ in range(max_attempts):
             if self.estimate.converged:
                 break
-            self.submit(self.honest())
+            self.submit(view())
+
+    def finish(self, max_attempts: int = 14) -> float:
+        """Go on honestly until it converges: mean projection error, px."""
+        self.show(self.honest, max_attempts)
         assert self.estimate.converged, (self.reasons, self.estimate)
         found = self.rules.camera(self.estimate)
         return float(synthetic.projection_error(CAMERA, found).mean())
@@ -76,7 +80,7 @@ def other_camera(focal: float = 700.0, squash: float = 1.0) -> Camera:
 
 
 def shift_picture(session: Session, view: View) -> View:
-    """A stabiliser shifts the picture, elsewhere each time."""
+    """A stabiliser shifts the picture, elsewhere each time; a turn of the board explains it up to a point."""
     shift = session.rng.uniform(-150, 150, 2)
     q = view.image_points + shift
     inside = ((q >= 0) & (q <= (SIZE[0] - 1, SIZE[1] - 1))).all(axis=1)
@@ -90,26 +94,24 @@ def swap_rows(_: Session, view: View) -> View:
     return View(p, view.image_points)
 
 
-HOSTILE: dict[str, Hostile] = {
-    "random points": lambda s, v: View(v.object_points, s.rng.uniform(0, 719, (len(v), 2))),
-    "mirrored": lambda _, v: View(v.object_points, (SIZE[0] - 1, 0) + v.image_points * (-1, 1)),
-    "rows swapped": swap_rows,
-    "another board's ids": lambda _, v: View(
-        np.random.default_rng(5).permutation(v.object_points), v.image_points
-    ),
-    "moving principal point": shift_picture,
-}
+def rename_corners(_: Session, view: View) -> View:
+    """Ids of another board."""
+    return View(np.random.default_rng(5).permutation(view.object_points), view.image_points)
 
 
-EXPLAINED = "moving principal point"  # which a turn of the board explains, up to a point
+HOSTILE: tuple[Hostile, ...] = (
+    lambda s, v: View(v.object_points, s.rng.uniform(0, 719, (len(v), 2))),
+    lambda _, v: View(v.object_points, (SIZE[0] - 1, 0) + v.image_points * (-1, 1)),
+    swap_rows,
+    rename_corners,
+)
 
 
 @pytest.mark.parametrize("seed", [3, *thorough(0, 1, 2)])
 def test_session_converges_after_views_that_are_no_boards(seed: int) -> None:
     session = Session(seed=seed)
-    for kind, sent in HOSTILE.items():
-        for _ in range(2 if kind != EXPLAINED else 0):
-            assert not session.submit(sent(session, session.honest()))
+    for sent in (*HOSTILE, *HOSTILE):
+        assert not session.submit(sent(session, session.honest()))
     assert set(session.reasons) <= {"outlier", "mirrored", "degenerate"}
     view = session.honest()
     assert session.submit(view)
@@ -134,10 +136,7 @@ def test_session_converges_after_views_that_can_be_explained(good_first: int, se
     session = Session(seed=seed)
     for _ in range(good_first):
         assert session.submit(session.honest())
-    for _ in range(sent):
-        view = session.honest()
-        if not session.estimate.converged:
-            session.submit(HOSTILE[EXPLAINED](session, view))
+    session.show(lambda: shift_picture(session, session.honest()), sent)
     not_counted = len(session.reasons) + len(session.estimate.excluded)
     assert not session.estimate.converged
     assert session.finish() < 0.6
@@ -157,15 +156,10 @@ def test_wrong_first_view_is_excluded_by_later_views(focal: float, squash: float
         assert 0 in session.estimate.excluded
         assert session.estimate.excluded[0].detail
         assert session.estimate.view_errors[0] is not None
-        undo_of_the_majority_restores_the_first(session)
-
-
-def undo_of_the_majority_restores_the_first(session: Session) -> None:
-    left = session.rules.reconcile(session.views[:1], {0: session.estimate.excluded[0]})
-    assert left.excluded == {}
-    assert left.calibration is not None
-    nothing = session.rules.reconcile([], {})
-    assert nothing.calibration is None
+        undone = session.rules.reconcile(session.views[:1], {0: session.estimate.excluded[0]})
+        assert undone.excluded == {}
+        assert undone.calibration is not None
+    assert session.rules.reconcile([], {}).calibration is None
 
 
 @pytest.mark.parametrize(
@@ -212,9 +206,7 @@ def test_undo_and_exclusion_refit_the_remaining_views() -> None:
     excluded = {1: Exclusion("outlier", "It is.")}
     estimate = session.rules.estimate(session.views, excluded)
     assert estimate.excluded == excluded
-    error = estimate.view_errors[1]
-    assert error is not None
-    assert error < 2
+    assert (estimate.view_errors[1] or np.inf) < 2
 
 
 @pytest.mark.parametrize("before", [9, *thorough(0)])
@@ -227,10 +219,7 @@ def test_capture_ends_where_the_error_falls_no_more(before: int) -> None:
         assert session.estimate.uncertainty is not None
         session.history = History((session.estimate.uncertainty.rms,) * before, (True,) * before)
         session.target = session.rules.next_target(session.views, session.estimate)
-    for _ in range(40):
-        if session.estimate.converged:
-            break
-        session.submit(session.honest())
+    session.show(session.honest)
     assert session.estimate.end == "plateau"
     assert 10 <= len(session.views) < MAX_VIEWS
     assert session.estimate.progress == 1
@@ -243,17 +232,14 @@ def test_capture_off_the_target_ends_at_max_views_with_advice(before: int) -> No
     session = Session(seed=7)
     session.rules = Capture(BOARD, SIZE, target_error=0.001)
 
-    def show() -> View:
+    def anywhere() -> View:
         rvec = np.radians(25) * session.rng.normal(size=3)
         tvec = session.rng.uniform((-7, -4.5, 11), (-2, -1.5, 16))
         return synthetic.detect(BOARD, CAMERA, rvec, tvec, session.rng)
 
-    session.views = [show() for _ in range(before)]
+    session.views = [anywhere() for _ in range(before)]
     session.estimate = session.rules.estimate(session.views)
-    for _ in range(40):
-        if session.estimate.converged:
-            break
-        session.submit(show())
+    session.show(anywhere)
     assert len(session.views) == MAX_VIEWS
     assert session.estimate.end == "limit"
     assert set(session.reasons) <= {"duplicate"}
@@ -268,12 +254,20 @@ def test_rational_model_converges_on_noiseless_corners(seed: int) -> None:
     """A simulated camera: nothing but rounding and the prior determines what is not seen."""
     session = Session(seed=seed)
     session.rules = Capture(BOARD, SIZE, model="rational")
-    for _ in range(6):
-        target = session.target
-        points = CAMERA.project(BOARD.points @ rotation.matrix(target.rvec).T + target.tvec)
-        inside = ((points >= 0) & (points <= np.array(SIZE) - 1)).all(axis=1)
-        session.submit(View(BOARD.points[inside], points[inside]))
-        if session.estimate.converged:
-            break
-    assert session.estimate.converged
-    assert synthetic.projection_error(CAMERA, session.rules.camera(session.estimate)).mean() < 0.01
+
+    def noiseless() -> View:
+        q = CAMERA.project(BOARD.points @ session.target.r.T + session.target.tvec)
+        inside = ((q >= 0) & (q <= np.array(SIZE) - 1)).all(axis=1)
+        return View(BOARD.points[inside], q[inside])
+
+    session.show(noiseless, 6)
+    assert session.finish() < 0.01
+
+
+@pytest.mark.parametrize("width", [0.1, *thorough(0.6)])
+def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
+    session, rvec = Session(seed=3), np.array([0.3, 0.4, 0.0])
+    middle = np.array([0, 0, 9 * CAMERA.matrix[0, 0] / (width * SIZE[0])])
+    tvec = middle - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
+    assert session.submit(synthetic.detect(BOARD, CAMERA, rvec, tvec, session.rng, noise=0))
+    session.finish(6)

@@ -12,39 +12,42 @@ from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
 
-BOARD = Board()
+BOARD, SIZE = Board(), synthetic.IMG_SIZE
+Format = Literal["jpeg", "png"]
 
 
-def decode(data: bytes) -> np.ndarray:
+def drawn(board: Board, camera: Camera, target: TargetPose, image_format: Format = "png") -> np.ndarray:
+    data = overlay.render(board, camera, target, image_format)
     picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     assert picture is not None
     return picture
 
 
+def first(board: Board, size: tuple[int, int] = SIZE, kind: str = "rectilinear") -> tuple[Camera, TargetPose]:
+    """Camera before the first view, and its target."""
+    camera = guidance.IntrinsicsPosterior.of(kind, size, None).camera
+    return camera, ProjectionUncertainty(board, size, kind).next_pose([], None)
+
+
 @cache
 def targets(kind: str) -> list[tuple[Camera, TargetPose]]:
     cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()
-    camera = cameras[6]
-    guide = ProjectionUncertainty(BOARD, camera.img_size, kind)
-    views = populations.views(camera, np.random.default_rng(0), count=4)
-    calibration = fit(views, camera.img_size, kind)
-    easy = guidance.IntrinsicsPosterior.of(kind, (1280, 720), None).camera
-    return [(calibration.camera, guide.next_pose(views, calibration)), (easy, guide.next_pose([], None))]
+    views = populations.views(cameras[6], np.random.default_rng(0), count=4)
+    calibration = fit(views, SIZE, kind)
+    target = ProjectionUncertainty(BOARD, SIZE, kind).next_pose(views, calibration)
+    return [(calibration.camera, target), first(BOARD, kind=kind)]
 
 
 @pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
 def test_picture_shows_corners_at_their_coordinates(kind: str) -> None:
     for camera, target in targets(kind):
-        green = decode(overlay.render(BOARD, camera, target, "png"))[:, :, 1]
-        inside = [
-            q
-            for q in target.corners
-            if (q > 20).all() and (q < (camera.img_size[0] - 20, camera.img_size[1] - 20)).all()
-        ]
-        found = np.array(inside, dtype=np.float32).reshape(-1, 1, 2)
+        green = np.ascontiguousarray(drawn(BOARD, camera, target)[:, :, 1])
+        q = target.corners
+        inside = q[((q > 20) & (q < np.array(SIZE) - 20)).all(axis=1)]
         criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 50, 0.001)
-        refined = cv2.cornerSubPix(np.ascontiguousarray(green), found.copy(), (4, 4), (-1, -1), criteria)
-        off = np.linalg.norm(refined[:, 0] - np.array(inside), axis=1)
+        start = inside.astype(np.float32).reshape(-1, 1, 2)
+        refined = cv2.cornerSubPix(green, start, (4, 4), (-1, -1), criteria)
+        off = np.linalg.norm(refined[:, 0] - inside, axis=1)
         assert len(off) > 10
         assert np.median(off) < 0.1
         assert np.percentile(off, 90) < 0.3
@@ -54,9 +57,8 @@ def test_picture_shows_corners_at_their_coordinates(kind: str) -> None:
 def test_board_is_coloured_and_background_black(kind: str) -> None:
     background = []
     for camera, target in targets(kind):
-        data = overlay.render(BOARD, camera, target)
-        assert len(data) <= 60 * 1024
-        picture = decode(data)
+        assert len(overlay.render(BOARD, camera, target)) <= 60 * 1024
+        picture = drawn(BOARD, camera, target, "jpeg")
         assert picture.shape == (720, 1280, 3)
         polygon = np.zeros((720, 1280), np.uint8)
         cv2.fillPoly(polygon, [np.round(target.outline).astype(np.int32)], 255)
@@ -74,43 +76,38 @@ def test_board_is_coloured_and_background_black(kind: str) -> None:
 
 def test_png_is_transparent_outside_the_board() -> None:
     camera, target = targets("rectilinear")[-1]
-    picture = decode(overlay.render(BOARD, camera, target, "png"))
+    picture = drawn(BOARD, camera, target)
     assert picture.shape == (720, 1280, 4)
     alpha = picture[:, :, 3]
     assert set(np.unique(alpha)) >= {0, 255}
-    jpeg = decode(overlay.render(BOARD, camera, target)).max(axis=2)
+    jpeg = drawn(BOARD, camera, target, "jpeg").max(axis=2)
     assert np.mean((alpha > 127) == (jpeg > 127)) > 0.99
 
 
 def test_opencv_detects_the_drawn_markers() -> None:
     """OpenCV's own detector reads the board back from the green channel, each id at its corner."""
     for board in (BOARD, Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")):
-        camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
-        target = ProjectionUncertainty(board, (1280, 720)).next_pose([], None)
-        picture = decode(overlay.render(board, camera, target, "png"))
+        camera, target = first(board)
+        picture = drawn(board, camera, target)
         # On black nothing separates the outer markers from the background: make it white.
         green = np.where(picture[:, :, 3] == 0, 255, picture[:, :, 1]).astype(np.uint8)
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
-        drawn = cv2.aruco.CharucoBoard(board.squares, 1.0, board.marker_ratio, dictionary)
-        corners, ids, _, _ = cv2.aruco.CharucoDetector(drawn).detectBoard(green)
+        charuco = cv2.aruco.CharucoBoard(board.squares, 1.0, board.marker_ratio, dictionary)
+        corners, ids, _, _ = cv2.aruco.CharucoDetector(charuco).detectBoard(green)
         assert ids is not None
         assert len(ids) > 0.8 * board.corner_count
         where = dict(zip(target.ids, target.corners, strict=True))
-        off = [
-            np.linalg.norm(c - where[int(i)])
-            for c, i in zip(corners.reshape(-1, 2), ids.ravel(), strict=True)
-        ]
-        assert np.median(off) < 0.5
+        expected = np.array([where[i] for i in ids.ravel().tolist()])
+        assert np.median(np.linalg.norm(corners.reshape(-1, 2) - expected, axis=1)) < 0.5
 
 
 def test_board_is_cut_at_the_end_of_the_domain() -> None:
     """A board across the model's edge, 1 / sqrt(1.2) focal lengths from the axis, is cut."""
     matrix = np.array([[500, 0, 639.5], [0, 500, 359.5], [0, 0, 1.0]])
-    camera = Camera("rectilinear", matrix, np.array([-0.4, 0, 0, 0, 0]), (1280, 720))
+    camera = Camera("rectilinear", matrix, np.array([-0.4, 0, 0, 0, 0]), SIZE)
     r = rotation.matrix(np.array([0.1, 0.0, 0.0]))
     target = TargetPose.seen(BOARD, camera, r, np.array([-1.0, -3.0, 6.0]), "", 0.0)
-    picture = decode(overlay.render(BOARD, camera, target, "png"))
-    y, x = np.nonzero(picture[:, :, 3])
+    y, x = np.nonzero(drawn(BOARD, camera, target)[:, :, 3])
     edge = 500 * (1 / np.sqrt(1.2)) * (1 - 0.4 / 1.2)
     assert len(x) > 10_000
     assert np.hypot(x - 639.5, y - 359.5).max() <= edge + 1
@@ -119,27 +116,24 @@ def test_board_is_cut_at_the_end_of_the_domain() -> None:
 
 
 def test_board_outside_the_image_is_an_empty_picture() -> None:
-    camera = guidance.IntrinsicsPosterior.of("rectilinear", (1280, 720), None).camera
+    camera, _ = first(BOARD)
     far = TargetPose.seen(BOARD, camera, np.eye(3), np.array([60.0, 0.0, 20.0]), "", 0.0)
     assert far.ids == ()
-    assert decode(overlay.render(BOARD, camera, far)).max() < 10
+    assert drawn(BOARD, camera, far, "jpeg").max() < 10
 
 
 @pytest.mark.parametrize("image_format", ["jpeg", *thorough("png")])
-def test_large_picture_is_drawn_smaller(
-    image_format: Literal["jpeg", "png"], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_large_picture_is_drawn_smaller(image_format: Format, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the same shape, the board in the same place."""
     w, h = overlay.drawn_size((8192, 6144))
     assert 11.9e6 < w * h <= 12e6
     assert overlay.drawn_size((4000, 3000)) == (4000, 3000)
     monkeypatch.setattr(overlay, "MAX_PICTURE_PX", 480_000)
     size = (1638, 1229)
-    camera = Camera(
-        "rectilinear", np.array([[1600.0, 0, 800], [0, 1600, 600], [0, 0, 1]]), [0.1, 0, 0, 0, 0], size
-    )
+    matrix = np.array([[1600.0, 0, 800], [0, 1600, 600], [0, 0, 1]])
+    camera = Camera("rectilinear", matrix, [0.1, 0, 0, 0, 0], size)
     target = TargetPose.seen(BOARD, camera, np.eye(3), np.array([-4.0, -3.0, 16.0]), "", 0.0)
-    picture = decode(overlay.render(BOARD, camera, target, image_format))
+    picture = drawn(BOARD, camera, target, image_format)
     w, h = overlay.drawn_size(size)
     assert picture.shape[:2] == (h, w)
     assert w * h <= 480_000
@@ -152,9 +146,8 @@ def test_large_picture_is_drawn_smaller(
 
 
 def test_unknown_format_is_refused() -> None:
-    camera, target = targets("rectilinear")[0]
     with pytest.raises(ValueError, match="format"):
-        overlay.render(BOARD, camera, target, "gif")  # type: ignore[arg-type]
+        overlay.render(BOARD, *first(BOARD), "gif")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -166,6 +159,4 @@ def test_unknown_format_is_refused() -> None:
     ],
 )
 def test_extreme_boards_are_drawn(board: Board) -> None:
-    camera = guidance.IntrinsicsPosterior.of("rectilinear", (640, 480), None).camera
-    target = ProjectionUncertainty(board, (640, 480)).next_pose([], None)
-    assert decode(overlay.render(board, camera, target)).shape == (480, 640, 3)
+    assert drawn(board, *first(board, (640, 480)), "jpeg").shape == (480, 640, 3)
