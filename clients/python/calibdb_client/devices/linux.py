@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .device import Device, label_of
+from .system import Device, label_of
 
 PLATFORM = "X11; Linux x86_64"
 """Chromium's platform on every Linux computer, whatever its processor: user agents are reduced."""

@@ -11,7 +11,7 @@ import subprocess
 from collections.abc import Sequence
 
 from ..errors import CameraError
-from .device import Device, label_of
+from .system import Device, label_of
 
 PLATFORM = "Macintosh; Intel Mac OS X 10_15_7"
 """Chromium's platform on every Macintosh: user agents are reduced."""

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from ..errors import MissingPackageError
-from .device import Device, label_of
+from .system import Device, label_of
 
 PLATFORM = "Windows NT 10.0; Win64; x64"
 """Chromium's platform on every Windows: user agents are reduced."""
