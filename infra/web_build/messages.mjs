@@ -17,7 +17,8 @@ export function readMessages(web, language) {
 
 /**
  * Keys that sources mention. Besides whole keys: "catalog.part_" and `catalog.part_${code}` mention all keys that begin
- * so, `catalog.${name}` those whose names the same source contains, and `${catalog}.name` that name in any catalog.
+ * so, `catalog.${name}` and `catalog.${name}_part` those whose names the same source contains, and `${catalog}.name`
+ * that name in any catalog.
  */
 export function mentionedKeys(sources, keys) {
   const catalogs = [...new Set(keys.map((key) => key.slice(0, key.indexOf("."))))];
@@ -26,8 +27,8 @@ export function mentionedKeys(sources, keys) {
   const beginnings = [...whole].filter((key) => /[._]$/.test(key));
   const composed = new Set(
     sources.flatMap((source) =>
-      [...source.matchAll(/["'`](\w+)\.\$?\{/g)].flatMap(([, catalog]) =>
-        [...source.matchAll(/["'`](\w+)["'`]/g)].map(([, key]) => `${catalog}.${key}`),
+      [...source.matchAll(/["'`](\w+)\.\$?\{[^}]*\}(\w*)/g)].flatMap(([, catalog, part]) =>
+        [...source.matchAll(/["'`](\w+)["'`]/g)].map(([, key]) => `${catalog}.${key}${part}`),
       ),
     ),
   );

@@ -42,6 +42,11 @@ class Example:
         """Key of the heading's text."""
         return f"examples.{self.folder}"
 
+    @property
+    def does(self) -> str:
+        """Key of the text in the gallery."""
+        return f"examples.{self.folder}_does"
+
 
 _LOOKUP_LINES = """const { calibration } = await lookup(track, { token, exact: true });
 const rectifier = await calibration.rectifier();   // straightens the picture, on the GPU
@@ -213,7 +218,7 @@ def _index() -> str:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
         heading = f'<strong data-t="{one.message}">{escape(one.title)}</strong>'
         words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
-        cards.append(_card(one.folder, words, f"{one.message}_does"))
+        cards.append(_card(one.folder, words, one.does))
     return _document(
         "Examples",
         "examples.index_lead",
