@@ -1,7 +1,5 @@
 """Auth: exchanges an API token for the signed id of one guided capture."""
 
-from __future__ import annotations
-
 from starlette.responses import Response
 
 from calibdb.http import application

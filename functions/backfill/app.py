@@ -1,7 +1,5 @@
 """Requests to `refit` the consensuses of a batch of calibrations. Internal: a step of a state machine."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Cameras: a search by words, all that is known of one camera, and its badge."""
 
-from __future__ import annotations
-
 import functools
 from concurrent.futures import ThreadPoolExecutor
 

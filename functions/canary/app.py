@@ -1,7 +1,5 @@
 """Canary: looks a camera up and calibrates a computed one through the site, and stores the outcome."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Mapping

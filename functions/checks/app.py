@@ -1,7 +1,5 @@
 """Checks: scores a consensus on fresh views of a camera, and counts the result as a vote."""
 
-from __future__ import annotations
-
 from starlette.responses import Response
 
 from calibdb.access.tokens import Ticket

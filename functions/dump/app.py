@@ -1,7 +1,5 @@
 """Dump: continues the public dump that is due. A schedule invokes it every hour of one day of the week."""
 
-from __future__ import annotations
-
 import os
 import secrets
 import time

@@ -1,7 +1,5 @@
 """Export: calibrations and files as other tools' files, and pages of results."""
 
-from __future__ import annotations
-
 import functools
 import time
 from urllib.parse import urljoin

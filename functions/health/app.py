@@ -3,8 +3,6 @@
 Callers need no credential, so results are cached.
 """
 
-from __future__ import annotations
-
 import functools
 import time
 from collections.abc import Callable

@@ -4,8 +4,6 @@ A hit is one Query and no write. A hit by POST makes `refit` store its label and
 which `GET /known/v1/<digest>/…` finds the camera.
 """
 
-from __future__ import annotations
-
 import functools
 
 from starlette.responses import Response

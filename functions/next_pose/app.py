@@ -1,7 +1,5 @@
 """Next target pose, as a picture to lay over the video or as numbers."""
 
-from __future__ import annotations
-
 from pydantic import JsonValue
 from starlette.responses import Response
 

@@ -4,8 +4,6 @@ It is idempotent, and safe late or concurrently: a result is written only over o
 request from the queue has the single-flight lease, its holder repeats the work.
 """
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

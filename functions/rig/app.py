@@ -3,8 +3,6 @@
 Everything after the end of a rig follows from its document and is idempotent.
 """
 
-from __future__ import annotations
-
 from starlette.responses import Response
 
 from calibdb.compute import exports, rig_course

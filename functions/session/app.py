@@ -3,8 +3,6 @@
 A rig's document names a session before it exists, for starts repeated after a crash.
 """
 
-from __future__ import annotations
-
 from starlette.responses import Response
 
 from calibdb.camera_key import camera_key

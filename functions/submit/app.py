@@ -4,8 +4,6 @@ Everything after the end of a session follows from its document and is idempoten
 completes what a crash left undone.
 """
 
-from __future__ import annotations
-
 from starlette.responses import Response
 
 from calibdb.compute.session_course import Batch, Course, Judgement, computing_views, judge_batch

@@ -3,8 +3,6 @@
 No response reveals whether an origin has other tokens.
 """
 
-from __future__ import annotations
-
 from starlette.responses import Response
 
 from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS

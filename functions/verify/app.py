@@ -3,8 +3,6 @@
 Only this function connects to a host that a user names. So its role may only write that note.
 """
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ Demand follows from a day of captures, capacity from the template's parameters, 
 quotas. Nothing is measured; durations are assumed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 

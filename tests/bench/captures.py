@@ -4,8 +4,6 @@
 or sent twice at once; like a page that lost its network, the client then asks again.
 """
 
-from __future__ import annotations
-
 import argparse
 import http.client
 import json

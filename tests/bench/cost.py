@@ -4,8 +4,6 @@ Calls, durations and sizes are measured on a local stack; what is paid without a
 template. Prices, and what cannot be measured here, are in `tests/bench/prices.yaml`.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import threading

@@ -5,8 +5,6 @@ these by Zipf's law again. Edge locations share nothing and keep a response for 
 is asked for at the rate r there hits with the probability r T / (1 + r T).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

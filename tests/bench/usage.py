@@ -1,7 +1,5 @@
 """Usage of AWS by requests, its price, and the costs of an idle deployment, counted in the template."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Real browsers against the whole stack, run as its users run it."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -3,8 +3,6 @@
 Not a test by its name: `make test` passes over it. `make thorough` leaves pictures of all other states.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import cv2

@@ -1,7 +1,5 @@
 """Position of drawn objects on the AR page, measured in the pictures that it shows."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,7 +1,5 @@
 """The overlay page's camera: asked for by name, pulled out, plugged in again, and without a picture."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

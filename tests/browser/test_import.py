@@ -1,7 +1,5 @@
 """Calibration from another program's file: its keypoints through a session, the rest explained."""
 
-from __future__ import annotations
-
 import functools
 import json
 import re

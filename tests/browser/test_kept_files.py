@@ -1,7 +1,5 @@
 """The service worker: what it keeps, what it must not, and how a new version takes over."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 from typing import Any

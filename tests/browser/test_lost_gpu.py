@@ -1,7 +1,5 @@
 """Loss of the WebGL context: drawings come back with it, and a loss for good is reported."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

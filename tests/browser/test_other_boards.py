@@ -1,7 +1,5 @@
 """Chessboards, AprilGrids and inverted boards, in drawn photographs and before the simulated camera."""
 
-from __future__ import annotations
-
 import base64
 import json
 from typing import Any

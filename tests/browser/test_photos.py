@@ -1,7 +1,5 @@
 """Calibration from photographs and from a video: drawn ones, and real ones where CALIBDB_DATA has them."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Real videos on the photos page: their board is recognised, and they become a calibration."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

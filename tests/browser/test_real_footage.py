@@ -1,7 +1,5 @@
 """Real footage as the camera of the capture page: people who hold still, and do not follow the outline."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Boards of other kinds before the camera: named soon, and no wrong order before that."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import cv2

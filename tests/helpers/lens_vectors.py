@@ -5,8 +5,6 @@ cx cy and the distortion), rays with their pixels (null outside the valid domain
 domain meets (`seen`), and pixels that none does (`missed`).
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -4,8 +4,6 @@
 samples, fitted to its corners.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from itertools import product

@@ -4,8 +4,6 @@ The name is resolved once. Each of its addresses must be public, the connection 
 peer's address is checked again. TLS verifies the name. No redirect is followed and no cookie is kept.
 """
 
-from __future__ import annotations
-
 import http.client
 import io
 import ipaddress

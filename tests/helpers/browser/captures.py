@@ -1,7 +1,5 @@
 """Calibrations of recorded synthetic views over HTTP, which take less time than guided captures."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any

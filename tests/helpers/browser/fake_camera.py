@@ -1,7 +1,5 @@
 """A Chromium whose camera shows a board."""
 
-from __future__ import annotations
-
 from contextlib import AbstractContextManager
 from pathlib import Path
 

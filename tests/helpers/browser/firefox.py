@@ -1,7 +1,5 @@
 """Firefox: pages one after the other, and one function in each."""
 
-from __future__ import annotations
-
 import json
 import os
 import select

@@ -1,7 +1,5 @@
 """Frame rate, longest task and first detection of the capture page; dropped frames of the rectifier."""
 
-from __future__ import annotations
-
 import statistics
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Every page of the site, and its visible faults."""
 
-from __future__ import annotations
-
 import json
 
 from playwright.sync_api import CDPSession, Page, ViewportSize

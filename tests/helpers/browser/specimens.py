@@ -1,7 +1,5 @@
 """Responses of the service for states that would take long to reach."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

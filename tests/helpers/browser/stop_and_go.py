@@ -1,7 +1,5 @@
 """Real footage as a hand that stops and goes: poses of a video are held, with its own motion between."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A camera that is known."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from urllib.parse import urlencode
 

@@ -1,7 +1,5 @@
 """Plans: hourly limits of a token."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args

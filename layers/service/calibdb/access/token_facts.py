@@ -1,7 +1,5 @@
 """Facts about a token and its use, for its owner."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Mapping

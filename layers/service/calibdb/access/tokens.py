@@ -1,7 +1,5 @@
 """Credentials: API tokens `cdb_<id>_<secret>`, of which only hashes are stored, and signed session ids."""
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 import ipaddress

@@ -11,8 +11,6 @@ A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a plat
 The key begins with the version of these rules. `docs/camera-keys.md` measures them on real labels.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

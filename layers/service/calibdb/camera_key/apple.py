@@ -1,7 +1,5 @@
 """Apple's names of built-in cameras, which Safari gives in the user's language, in English."""
 
-from __future__ import annotations
-
 import re
 
 # By language: en, de, fr, es, ca, pt, it, nl, sv/nb/da, fi, pl, cs/sk, hr, hu, ro, tr, ru/uk/bg/kk, el,

@@ -1,7 +1,5 @@
 """Characters of labels: invisible ones are removed, confusable ones become Latin."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 

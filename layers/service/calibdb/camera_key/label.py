@@ -1,7 +1,5 @@
 """Labels of cameras as browsers give them, and names that people give to modes."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Names that identify a product, and generic names."""
 
-from __future__ import annotations
-
 import re
 
 _GENERIC_WORDS = """

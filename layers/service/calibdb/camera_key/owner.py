@@ -1,7 +1,5 @@
 """Owners' names and other personal data in labels."""
 
-from __future__ import annotations
-
 import re
 
 from calibdb.camera_key.apple import CAMERA_WORDS

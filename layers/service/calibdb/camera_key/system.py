@@ -1,7 +1,5 @@
 """Operating system, and device model, of a browser."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from dataclasses import dataclass

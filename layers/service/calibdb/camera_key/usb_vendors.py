@@ -1,7 +1,5 @@
 """USB vendors by their ids. `infra.web_build.usb_vendors` makes the table of the USB ID Repository."""
 
-from __future__ import annotations
-
 import functools
 from pathlib import Path
 

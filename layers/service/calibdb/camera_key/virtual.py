@@ -1,7 +1,5 @@
 """Programs that pose as cameras."""
 
-from __future__ import annotations
-
 import re
 
 # The pages' simulated camera: its label names the lens, so it is as good as a real one.

@@ -1,7 +1,5 @@
 """Calibrations, rigs and files as other tools' files, and refits without some views."""
 
-from __future__ import annotations
-
 import base64
 import re
 from dataclasses import replace

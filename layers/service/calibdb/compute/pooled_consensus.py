@@ -1,7 +1,5 @@
 """Consensus of the calibrations of one mode, and the count of the votes on it."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math

@@ -1,7 +1,5 @@
 """Refits: the consensuses of a mode, each computed once from what the index has."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import math

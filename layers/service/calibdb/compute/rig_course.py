@@ -1,7 +1,5 @@
 """Course of a rig: its fit and target, moments undone, and its end."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """A fit whose outcome is known."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from calibsolver import Board, Camera, View, fit, rotation

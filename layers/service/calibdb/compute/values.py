@@ -1,7 +1,5 @@
 """Documents as the solver's values, and time for its work."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 

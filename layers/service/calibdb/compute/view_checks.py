@@ -1,7 +1,5 @@
 """Checks of a consensus, or of a given calibration, on fresh views."""
 
-from __future__ import annotations
-
 import math
 from contextlib import AbstractContextManager
 

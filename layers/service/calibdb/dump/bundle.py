@@ -3,8 +3,6 @@
 Its reader only compares labels. The rules of a lookup decide here which camera each label means.
 """
 
-from __future__ import annotations
-
 import functools
 import gzip
 import json

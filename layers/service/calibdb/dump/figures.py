@@ -1,7 +1,5 @@
 """Statistics of the database, written with a dump."""
 
-from __future__ import annotations
-
 import hashlib
 import heapq
 from collections.abc import Sequence

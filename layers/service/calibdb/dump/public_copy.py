@@ -1,7 +1,5 @@
 """Public copies of stored documents."""
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 from collections.abc import Callable

@@ -4,8 +4,6 @@ A part is one object of JSON Lines, compressed. After each part the draft record
 next invocation can continue. `latest.json` names only complete dumps.
 """
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import io

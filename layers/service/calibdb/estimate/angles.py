@@ -3,8 +3,6 @@
 Zoom and crop add to the logarithm of the tangent of half the horizontal angle.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -3,8 +3,6 @@
 A mode of another aspect keeps the height (slope 1), the width (slope 0), or something between.
 """
 
-from __future__ import annotations
-
 import math
 
 from calibdb.estimate.angles import Size

@@ -1,7 +1,5 @@
 """Kind of device behind a label."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Combination of all evidence about one camera at one size."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence

@@ -12,8 +12,6 @@ A row is of one model, at one size or aspect and in one mode. The columns:
 * `distortion`: `fisheye k1 k2 k3 k4`, if the lens is one.
 """
 
-from __future__ import annotations
-
 import csv
 import functools
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Knowledge about cameras from the table of facts."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterable

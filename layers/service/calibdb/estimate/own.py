@@ -1,7 +1,5 @@
 """Evidence about the caller's own camera: calibrations and reports of the device."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

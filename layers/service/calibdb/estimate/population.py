@@ -1,7 +1,5 @@
 """Populations: fields of view of the models of one kind, or of one maker and kind."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections import defaultdict

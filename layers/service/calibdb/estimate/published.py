@@ -1,7 +1,5 @@
 """Published values of a model, as evidence about another unit and size."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """HTTP application of a function: routes from `Call` to a Starlette response."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import logging

@@ -1,7 +1,5 @@
 """Capture of a computed camera through the site, as a page makes one."""
 
-from __future__ import annotations
-
 import functools
 import json
 import math

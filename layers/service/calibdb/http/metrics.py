@@ -3,8 +3,6 @@
 Format: Amazon CloudWatch user guide, "Specification: Embedded metric format".
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import os

@@ -3,8 +3,6 @@
 A part that does not respond keeps its thread, and is not checked again meanwhile. Errors go only to the log.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import threading

@@ -1,7 +1,5 @@
 """Badge of one camera at one size: an SVG image without script, style sheet or font."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Search of cameras by words, and their consensuses by size and zoom."""
 
-from __future__ import annotations
-
 import itertools
 import unicodedata
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Estimate for a lookup that misses, by stored data and published facts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

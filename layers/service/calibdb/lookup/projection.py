@@ -1,7 +1,5 @@
 """Projection by a stored calibration, in plain Python: a lookup loads no numpy."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import math

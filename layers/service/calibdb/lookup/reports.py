@@ -1,7 +1,5 @@
 """Reports of lookups: misses, counted by camera, and names of cameras, which become aliases."""
 
-from __future__ import annotations
-
 import threading
 from collections import Counter, OrderedDict
 from collections.abc import Callable

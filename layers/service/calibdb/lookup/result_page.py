@@ -1,7 +1,5 @@
 """Calibration or consensus by its id, and the head of its page for messengers."""
 
-from __future__ import annotations
-
 import re
 from datetime import UTC, datetime
 from html import escape

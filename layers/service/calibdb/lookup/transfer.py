@@ -4,8 +4,6 @@ A camera scales or crops its smaller pictures, or both. A relation is verified i
 picture in both, over all of the part that both show.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 import math

@@ -4,8 +4,6 @@ Anyone can invent a USB id. So an id counts under its name only once it has a re
 many contributors as a reliable one needs.
 """
 
-from __future__ import annotations
-
 from calibdb.camera_key import identify
 from calibdb.settings import Thresholds
 from calibdb.store import Store

@@ -1,7 +1,5 @@
 """Names of a camera and of its modes by most of their contributors."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 

@@ -3,8 +3,6 @@
 Errors are in pixels / image width.
 """
 
-from __future__ import annotations
-
 from calibdb.schema import Calibration, CalibrationDocument, Uncertainty
 
 TARGET_ERROR_PER_WIDTH = 0.3 / 1280  # predicted rms over the image: the default of a session

@@ -1,7 +1,5 @@
 """Result of a finished rig."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from calibdb.errors import ConflictError

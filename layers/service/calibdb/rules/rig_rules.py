@@ -4,8 +4,6 @@ Position 0 is the leader's, who made the rig. The leader opens a moment before c
 undone moment is never opened again. A finished rig no longer changes.
 """
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 from collections.abc import Collection, Sequence

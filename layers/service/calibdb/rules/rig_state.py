@@ -1,7 +1,5 @@
 """State of a rig."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

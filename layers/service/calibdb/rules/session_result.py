@@ -1,7 +1,5 @@
 """Results of a session: its state in the API, its end and its calibration."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from typing import Any, Literal

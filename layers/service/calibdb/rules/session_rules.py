@@ -4,8 +4,6 @@ The open pose carries `next_index`, which an accepted view takes. An index is ne
 replay of an undone view is a conflict. A converged session no longer changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from pydantic import JsonValue

@@ -8,8 +8,6 @@ third of its contributors. Votes can withhold an answer, but never make a wrong 
 * a consensus is measured by the checker's own data, since its makers choose the noise behind it.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections import Counter

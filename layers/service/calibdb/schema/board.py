@@ -1,7 +1,5 @@
 """The board that a session's views show: ChArUco, chessboard or AprilGrid."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator

@@ -1,7 +1,5 @@
 """Search for cameras, and the details of one."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import BeforeValidator, ConfigDict, Field

@@ -1,7 +1,5 @@
 """Checks of a consensus, or a given calibration, on fresh views."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """Stored documents. `layout` is the version of their format."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """Public dumps and statistics."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from pydantic import ConfigDict, Field

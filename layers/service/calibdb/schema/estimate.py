@@ -1,7 +1,5 @@
 """Estimate of a camera without a reliable calibration."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from pydantic import Field

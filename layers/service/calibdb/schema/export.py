@@ -1,7 +1,5 @@
 """Query of an export, and conversion of a calibration file."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field

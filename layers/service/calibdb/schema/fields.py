@@ -1,7 +1,5 @@
 """Types of fields, with their bounds, and bases of models."""
 
-from __future__ import annotations
-
 import math
 import threading
 import unicodedata

@@ -1,7 +1,5 @@
 """Health of the service: its parts, and its canary's last run."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from pydantic import Field

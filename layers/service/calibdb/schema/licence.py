@@ -1,7 +1,5 @@
 """Licence under which a contributor gives views away."""
 
-from __future__ import annotations
-
 import datetime
 from typing import Annotated, Literal
 

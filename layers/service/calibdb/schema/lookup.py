@@ -1,7 +1,5 @@
 """Request of a lookup, and its responses without a calibration."""
 
-from __future__ import annotations
-
 import re
 from typing import Annotated, Literal
 from urllib.parse import urlencode

@@ -1,7 +1,5 @@
 """Tokens that people make for themselves: requests and responses."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field

@@ -1,7 +1,5 @@
 """Corners seen in one frame."""
 
-from __future__ import annotations
-
 from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 

@@ -4,8 +4,6 @@ Source: RFC 6454, 6.2 (serialization of an origin); WHATWG URL, "host parsing": 
 number is an IPv4 address; RFC 6761 and W3C Secure Contexts, 3.1: `localhost` is the device itself.
 """
 
-from __future__ import annotations
-
 import ipaddress
 import re
 

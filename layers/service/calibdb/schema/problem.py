@@ -1,7 +1,5 @@
 """Problem details: RFC 9457, `application/problem+json`."""
 
-from __future__ import annotations
-
 from pydantic import Field
 
 from calibdb.schema.estimate import Estimate

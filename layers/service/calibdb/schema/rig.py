@@ -1,7 +1,5 @@
 """Rigs of cameras that do not move against each other: requests and responses."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, get_args
 
 from pydantic import Field

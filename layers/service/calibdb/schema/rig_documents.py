@@ -1,7 +1,5 @@
 """Stored documents of rigs."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """The guided capture: requests and responses."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field

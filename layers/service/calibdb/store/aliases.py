@@ -5,8 +5,6 @@ to the label, as a lookup sends it. Anyone can invent labels, so their number is
 source and day: `ALIASES#<camera key>/TOTAL`, `ALIASES#<source>/DAY#<day>`.
 """
 
-from __future__ import annotations
-
 import hashlib
 import time
 import unicodedata

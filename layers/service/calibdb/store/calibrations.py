@@ -6,8 +6,6 @@ One that was withdrawn keeps its object, next to a tombstone `<id>.withdrawn.jso
 counts for nothing any more, and publishing it again does not bring it back.
 """
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence

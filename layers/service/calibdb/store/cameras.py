@@ -1,7 +1,5 @@
 """Cameras in the index: what a lookup reads in one Query, their consensuses, and the search."""
 
-from __future__ import annotations
-
 import functools
 import logging
 from collections.abc import Iterable, Mapping

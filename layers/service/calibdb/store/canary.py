@@ -1,7 +1,5 @@
 """Last run of the canary: `HEALTH#CANARY/LAST`. It expires; nothing depends on it."""
 
-from __future__ import annotations
-
 from calibdb.schema.health import CanaryRun
 from calibdb.store.ports import Table
 

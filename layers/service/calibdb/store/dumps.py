@@ -3,8 +3,6 @@
 The draft is in the private bucket, since it has the key by which contributors are named.
 """
 
-from __future__ import annotations
-
 from calibdb.schema.dump import Dump, DumpDraft, Statistics
 from calibdb.store.ports import Objects, encoded, read
 

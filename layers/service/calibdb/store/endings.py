@@ -1,7 +1,5 @@
 """Endings of sessions and rigs. Each step is idempotent: a repetition completes what a crash left undone."""
 
-from __future__ import annotations
-
 from calibdb.errors import NotFoundError
 from calibdb.rules import rig_rules, session_result
 from calibdb.schema import DISTORTION_MODELS, RefitRequest, RigDocument, SessionDocument

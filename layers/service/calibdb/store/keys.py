@@ -1,7 +1,5 @@
 """Keys of index items and names of objects: how sizes, zooms and ids are written in them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -4,8 +4,6 @@
 holder began. A lease only saves work: correctness comes from the conditional write of the consensus.
 """
 
-from __future__ import annotations
-
 from calibdb.store.keys import StreamMode
 from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore, compared, equals
 

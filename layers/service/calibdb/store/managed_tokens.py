@@ -1,7 +1,5 @@
 """Tokens that people make for themselves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 A camera is its key, if enough contributors calibrated it, or `usb#<vid:pid>`. No label or source is stored.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 

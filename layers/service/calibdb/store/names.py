@@ -7,8 +7,6 @@
 * `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by word, and without one.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

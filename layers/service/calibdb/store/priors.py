@@ -1,7 +1,5 @@
 """Calibrations from elsewhere: objects that the operator wrote, and items where a capture finds them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from calibdb.schema import FitRecord, PriorDocument

@@ -1,7 +1,5 @@
 """Proofs of origins that were found: `PROOF#<token id>/<origin>`, the unix time."""
 
-from __future__ import annotations
-
 from calibdb.errors import UnavailableError
 from calibdb.schema.managed_token import ProofAnswer, ProofRequest
 from calibdb.store.ports import Jobs, Table, encoded

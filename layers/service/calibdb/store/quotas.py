@@ -5,8 +5,6 @@ eight keys: `TOKEN#<id>`, and `TOKEN#<id>#1` to `#7`. A user's share has one of 
 together is split if the limit is large.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping

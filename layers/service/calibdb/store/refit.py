@@ -1,7 +1,5 @@
 """Computations of consensuses by the job `refit`: queued, or awaited."""
 
-from __future__ import annotations
-
 import logging
 
 from calibdb.errors import UnavailableError

@@ -6,8 +6,6 @@ names the rig until the code expires. `GUESS#<source>/WINDOW#<number>` counts gu
 checked, so that many at once cannot exceed the limit.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 

@@ -1,7 +1,5 @@
 """Running rigs and the sessions of their cameras."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from calibdb.errors import InvalidError, NotFoundError, TooManyError

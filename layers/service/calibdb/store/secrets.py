@@ -1,7 +1,5 @@
 """Secrets of the deployment, kept in SSM's parameter store by their names, and cached for five minutes."""
 
-from __future__ import annotations
-
 import functools
 import logging
 import math

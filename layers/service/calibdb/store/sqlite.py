@@ -4,8 +4,6 @@ A write returns after its transaction is on disk. Several processes may use the 
 row has a checksum, since SQLite would not notice a damaged page.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

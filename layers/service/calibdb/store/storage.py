@@ -1,7 +1,5 @@
 """The storage of this process: on AWS, unless a server has opened another one."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterator
 from contextlib import contextmanager

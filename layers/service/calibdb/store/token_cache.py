@@ -5,8 +5,6 @@ and flushed when the token is read again: once for some hundred lookups, or afte
 that is ended loses what it had not written.
 """
 
-from __future__ import annotations
-
 import threading
 from collections import Counter
 from collections.abc import Callable, Mapping

@@ -5,8 +5,6 @@ by the same version. A writer that was overtaken, or killed in between, leaves a
 change or read by its manager writes it again.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace

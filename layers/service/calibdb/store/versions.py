@@ -7,8 +7,6 @@ A change writes its object first and then moves the index to it, on the conditio
 the version that the change was made from. A crash leaves an orphaned object, never a pointer to nothing.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field

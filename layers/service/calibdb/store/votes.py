@@ -1,7 +1,5 @@
 """Votes, checks of a consensus on fresh views: immutable objects, and the items that find them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
