@@ -55,6 +55,8 @@ def make_secrets(ssm: Any, stack: str) -> list[str]:
     for name in missing:
         if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
             keys = _read(ssm, stack, "EDGE_SECRETS")[:1]
+        elif name == "EDGE_SECRETS" and _READ_BY_CLOUDFORMATION not in missing:  # CloudFront sends it
+            keys = [*_read(ssm, stack, _READ_BY_CLOUDFORMATION), secrets.token_hex(32)]
         else:
             keys = [secrets.token_hex(32) for _ in range(1 if name == "CONTRIBUTOR_SECRET" else 2)]
         _write(ssm, stack, name, keys, overwrite=False)
@@ -64,7 +66,8 @@ def make_secrets(ssm: Any, stack: str) -> list[str]:
 def rotate(ssm: Any, stack: str, name: str = "SESSION_SECRETS") -> list[str]:
     """Let the next key sign, keep the previous one, add a new next one; return the keys.
 
-    Every function knows the next key before it signs: they learn of a rotation within five minutes.
+    Every function knows the next key before it signs, so none refuses what another has signed while they
+    learn of the rotation, within five minutes.
     """
     keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
     _write(ssm, stack, name, keys, overwrite=True)

@@ -73,8 +73,10 @@ _CORNERS = pa.schema(
 def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[int, int]:
     """Write all that may be given away to a new folder; return the numbers of calibrations and votes.
 
-    Withdrawn calibrations are left out, and, unless `private`, what was given without a licence. Contributors
-    are named by a hash whose key is thrown away.
+    Withdrawn calibrations are left out, and, unless `private` (for the operator only), what was given without
+    a licence. Contributors are named by a hash whose key is thrown away.
+
+    Raises OpsError if the folder exists.
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")

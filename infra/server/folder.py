@@ -24,6 +24,7 @@ KEYPOINTS, SITE = "keypoints", "site"
 """Buckets of objects: of everything measured, and of what everyone may read."""
 LOCK_TIMEOUT_S = 5.0
 """Time for the processes of a server that was killed to end."""
+_JOURNAL = "journal.sqlite"  # of the versions before SQLite was the database
 _RESTORE = "restore a backup with `calibdb-ops --data {folder} restore FILE`"
 _REPAIR = "Rebuild the index with `calibdb-ops --data {folder} reindex`, or " + _RESTORE
 
@@ -75,6 +76,11 @@ class Folder:
     def _open(self, path: Path, clock: Any, *, new_secrets: bool, as_worker: bool) -> None:
         file, secret_file = path / FILE_NAME, path / "secrets.json"
         exists = file.exists()
+        if not exists and (path / _JOURNAL).exists():
+            raise FolderError(
+                f"{path} was written by a version before 0.1.0. Write its captures to files with that "
+                "version, `calibdb-ops dump --private FILES`, and load them here, `calibdb-ops load FILES`"
+            )
         if secret_file.exists() and (not exists or file.stat().st_size == 0):
             raise FolderError(
                 f"{file} is missing or empty, but {secret_file.name} is there: "

@@ -37,6 +37,7 @@ class SecretsError(Exception):
 def load(path: Path, *, known: bool = False) -> Secrets:
     """Read the secrets of a file, which is created at the first time; only its owner may read it.
 
+    They last: new ones would end running sessions and give every contributor another id.
     Raises SecretsError if the file is damaged, or missing although it is `known` that there was one.
     """
     if not path.exists():

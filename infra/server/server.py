@@ -74,7 +74,8 @@ class Server:
     pauses_s: Sequence[float] = jobs.PAUSES_S  # before a job that failed runs again
     stop_timeout_s: float = 60.0  # for a running job when the block ends
     new_secrets: bool = False
-    # Number among several processes over the folder, which another one has checked; 0 runs jobs and upkeep.
+    # Number of this process among several over the folder, which another one has checked; None: the only one.
+    # None and 0 run jobs and upkeep.
     worker: int | None = None
     inherited: socket.socket | None = None
 

@@ -162,6 +162,12 @@ def test_second_server_is_refused_and_an_operator_is_a_guest(
         assert SqliteTable(first.database).get("P", "S") is not None
 
 
+def test_journal_of_earlier_versions_is_refused_with_the_way_on(tmp_path: Path) -> None:
+    (tmp_path / "journal.sqlite").touch()
+    with pytest.raises(FolderError, match=r"calibdb-ops dump --private FILES.*calibdb-ops load FILES"):
+        Folder(tmp_path)
+
+
 def test_expired_items_are_not_returned_and_swept() -> None:
     now = [1000.0]
     database = Database(None, lambda: now[0])

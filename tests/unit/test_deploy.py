@@ -188,6 +188,14 @@ def test_secrets_are_made_once() -> None:
 
 
 @pytest.mark.usefixtures("cloud")
+def test_secret_that_cloudfront_sends_is_kept_if_the_list_is_lost() -> None:
+    ssm = boto3.client("ssm")
+    ssm.put_parameter(Name="/calibdb/one/EDGE_SECRET", Value="e" * 64, Type="String")
+    aws.make_secrets(ssm, "one")
+    assert values(ssm)["EDGE_SECRET"] == values(ssm)["EDGE_SECRETS"].split(",")[0] == "e" * 64
+
+
+@pytest.mark.usefixtures("cloud")
 def test_a_rotation_of_the_edge_loses_no_address() -> None:
     """Functions, the early and the late, take all that the edge sends until it learns of the rotation."""
     ssm = boto3.client("ssm")

@@ -20,7 +20,7 @@ from .wire import Failure, Reply
 def awaited(
     call: Callable[Concatenate[Client, P], T], *, in_thread: bool = False
 ) -> Callable[Concatenate[AsyncClient, P], Coroutine[Any, Any, T]]:
-    """Make the asynchronous twin of a call of `Client`; `in_thread` if its own work takes long."""
+    """Make the asynchronous twin of a call of `Client`; `in_thread`: run its own work in a thread."""
     conversation: Callable[..., Flow[T]] = inspect.unwrap(call)
 
     @functools.wraps(call)

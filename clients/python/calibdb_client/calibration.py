@@ -280,9 +280,11 @@ class Answer:
     ----------
     calibration
         None if nothing reliable is known.
-    reason, detail
-        Word for why there is none, and a sentence: ``unknown_camera``, ``too_few``, ``disagree``,
-        ``few_contributors`` or ``imprecise``.
+    reason
+        Word for why there is none: ``unknown_camera``, ``too_few``, ``disagree``, ``few_contributors`` or
+        ``imprecise``; else "".
+    detail
+        The reason in a sentence.
     guidance_url
         Page that calibrates the camera in a browser; "" if there is a calibration.
     source

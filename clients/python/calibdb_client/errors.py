@@ -69,7 +69,7 @@ class ProblemError(CalibDBError):
     """An error that the service answered (RFC 9457, problem details), with all its members.
 
     `kind` is what follows the last `#` or `/` of `type`; `retry_after`: seconds after which the same request
-    may succeed.
+    may succeed; None if the service names none.
     """
 
     exit_status = 2

@@ -43,8 +43,8 @@ def read_whole(path: Path) -> bytes:
 class ExportedFile:
     """A calibration as another tool's file.
 
-    `error`: px, largest distance between the projections by both; `coverage`: share of the image in which the
-    file's model is valid.
+    `error`: px, largest distance between the projections by the calibration and by the file, 0: exact.
+    `coverage`: share of the image in which the file's model is valid.
     """
 
     content: bytes = field(repr=False)

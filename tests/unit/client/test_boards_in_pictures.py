@@ -48,6 +48,7 @@ def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
         off = np.linalg.norm(found.points - expected, axis=1)
         assert np.sqrt(np.mean(off**2)) < bound
         assert off.max() < 0.6
+    assert Detector(board).find(np.full((480, 640), 128, np.uint8)) is None
 
 
 @pytest.mark.parametrize("inverted", [False, True])

@@ -50,7 +50,10 @@ class Target:
 
 @dataclass(frozen=True)
 class Status:
-    """Course of a capture: views that are in, progress 0 to 1, and predicted error over the image, px."""
+    """Course of a capture: views that are in, progress 0 to 1, and predicted error over the image, px.
+
+    Without a fit there is no error.
+    """
 
     views: int = 0
     progress: float = 0.0

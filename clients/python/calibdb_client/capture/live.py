@@ -68,7 +68,9 @@ class _Aim:
 
 
 class Live:
-    """One live capture, of a `recording` with the views of an earlier one to continue.
+    """One live capture.
+
+    `recording` has the camera, the board, and the views of an earlier capture to continue.
 
     `keep` is called with the recording after each view, before anything else happens.
     """

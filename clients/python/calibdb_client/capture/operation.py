@@ -67,7 +67,10 @@ class CaptureInterruptedError(KeyboardInterrupt):
 
 @dataclass(frozen=True, eq=False)
 class Operation:
-    """A capture that is about to begin, of a recording with the views of an earlier one to continue."""
+    """A capture that is about to begin.
+
+    `recording` has the camera, the board, and the views of an earlier capture to continue.
+    """
 
     frames: Frames
     feedback: Feedback

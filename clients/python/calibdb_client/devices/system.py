@@ -51,7 +51,10 @@ def platform_of(system: str = sys.platform) -> str:
 
 
 def find(wanted: str | int, among: Sequence[Device] | None = None) -> Device:
-    """Return the camera of an index, a path, or a part of its label. Raises CameraError if not one."""
+    """Return the camera of an index, a path, or a part of its label. Raises CameraError.
+
+    None or several may match.
+    """
     cameras = devices() if among is None else among
     text = str(wanted)
     if text.isdigit():

@@ -16,9 +16,9 @@ MAX_INVISIBLE_PX = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ExportSource:
-    """Calibration to be written, of views, which may be none, of one board if it is known.
+    """Calibration to be written, with the views it was fitted to, if any, and their board if all show one.
 
-    `rms` in px, `time` in Unix seconds; `record` is all that the service answers about it.
+    `rms`: px over all measurements; `time`: Unix seconds; `record`: all that the service answers about it.
     """
 
     camera: Camera
@@ -91,7 +91,7 @@ class ExportedFile:
 
 @dataclass(frozen=True, eq=False)
 class ImportedFile:
-    """Content of a file: a camera, None of mere measurements, and views on the file's board, in its unit.
+    """Content of a file: a camera, None if it has only measurements, and views on its board, in its unit.
 
     `cameras` are the names of all in a file with several. `error`: px, largest distance from the projections
     by the file's camera, if calibsolver lacks its model.

@@ -41,9 +41,9 @@ RIM_MARGIN = 1e-6
 def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
     """Return the camera closest to the source's that one of `constraints` can hold.
 
-    Its own if possible. Otherwise each constraint is fitted to the views in the image (without any, to the
-    rays of the image), and the first wins that explains them about as well as the best: what a tool is used
-    to comes first.
+    Its own if possible. Otherwise each constraint is fitted to the views (without any, to the rays of the
+    image), and the first wins that explains them about as well as the best: what a tool is used to comes
+    first. Another model is fitted to what the image shows of them.
 
     Raises CalibrationError ``not_representable`` if none comes near.
     """
@@ -52,15 +52,19 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
         if same is not None and satisfies(same, constraint):
             return Conversion(same)
     masks = [_inside(view, source.camera.img_size) for view in source.views]
-    source = _in_shape(_seen(source, masks))
+    whole, source = _in_shape(source), _in_shape(_seen(source, masks))
     candidates: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
     widest = max(models.get(constraint.model).max_angle for constraint in constraints)
     for constraint in constraints:
         try:
-            camera, used = fitted(source, constraint)
-            conversion = replace(compare(source.camera, camera), used=_of_all(used, masks))
+            if _embed(source.camera, constraint.model) is None:
+                camera, used = fitted(source, constraint)
+                used = _of_all(used, masks)
+            else:
+                camera, used = fitted(whole, constraint)
+            conversion = replace(compare(source.camera, camera), used=used)
             candidates.append((_rms(source, camera, widest), conversion))
         except CalibrationError as error:
             reasons.append(str(error))

@@ -8,7 +8,6 @@ in which each camera has its own columns, its slots. So the solver of one camera
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 
@@ -82,7 +81,7 @@ class RigProblem(LeastSquares):
         cameras: Sequence[Camera],
         held: Sequence[bool],
         weights: Sequence[float] | None = None,
-    ) -> Self:
+    ) -> "RigProblem":
         """Problem of `cameras` by position; intrinsics of those `held` are known."""
         lengths = [max((len(m[i]) for m in moments if i in m), default=0) for i in range(len(cameras))]
         ends = np.cumsum([0, *lengths]).tolist()

@@ -49,17 +49,18 @@ def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, croppe
             assert away.max() <= conversion.error + 1e-9, name
 
 
-@pytest.mark.parametrize("model", ["rational", "fisheye", "omnidirectional"])
-@pytest.mark.parametrize(
-    ("corner", "size", "coverage"), [((100, 60), (800, 500), 0.99), ((0, 0), (300, 200), 0.6)]
-)
+CENTRE, CORNER = ((100, 60), (800, 500)), ((0, 0), (300, 200))
+
+
+@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize(("part", "coverage"), [(CENTRE, 0.99), (CORNER, 0.6)])
 def test_crop_is_held_as_the_whole_picture_is(
-    model: str, corner: tuple[int, int], size: tuple[int, int], coverage: float
+    model: str, part: tuple[tuple[int, int], tuple[int, int]], coverage: float
 ) -> None:
     # Most points of the views lie outside; in the corner too few are left for a fit.
-    part = image_transform.crop(IMG_SIZE, corner, size)
-    for name in ("mrcal", "colmap", "opensfm", "photonvision"):
-        cropped = formats.write(subject(model), name, part)
+    crop = image_transform.crop(IMG_SIZE, *part)
+    for name in ("kalibr", "mrcal", "colmap", "opensfm", "photonvision"):
+        cropped = formats.write(subject(model), name, crop)
         assert cropped.error <= max(1.25 * written(model, name).error, 1.1), name
         assert cropped.coverage > coverage, name
 
