@@ -23,6 +23,7 @@ TESTS = (
     "tests/unit/solver/formats/test_reading.py",
     "tests/unit/solver/formats/test_ray_fit.py",
     "tests/unit/solver/test_locate.py",
+    "tests/unit/solver/rig/test_fit.py",
     "tests/unit/client/test_boards_in_pictures.py",
     "tests/unit/client/test_circles.py",
     "tests/unit/client/test_files.py",

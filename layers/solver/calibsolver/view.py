@@ -19,6 +19,7 @@ class View:
         (n, 2), px, centre of the top-left pixel at (0, 0).
     weights
         (n,) or one number, > 0: 1 / variance, up to a factor that all views share; None is 1.
+        They count in `fit` and `locate`.
     flat
         True if the board is known to be as drawn, as on a screen: `fit` then estimates no shape.
 

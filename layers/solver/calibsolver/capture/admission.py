@@ -52,11 +52,11 @@ def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
     return bool(FOCAL_WIDTHS[0] * w < focal < FOCAL_WIDTHS[1] * w and centered)
 
 
-@np.errstate(all="ignore")  # hostile numbers are not a pose
 def is_posed(seed: Camera, view: View) -> bool:
     """True if a seed explains a view; otherwise it belongs to another camera."""
-    try:
-        error = reprojection_score(seed, [view]).rms
-    except CalibrationError:
-        return False
+    with np.errstate(all="ignore"):  # hostile numbers are not a pose
+        try:
+            error = reprojection_score(seed, [view]).rms
+        except CalibrationError:
+            return False
     return bool(error <= MAX_SEED_ERROR_WIDTHS * seed.img_size[0])

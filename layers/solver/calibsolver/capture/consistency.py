@@ -63,7 +63,8 @@ class Consistency:
             near = near or self._fits.get(key[:-1], ((), None))[1]
             if near is None and (bends or any(self._thin(view) is not view for view in views)):
                 near = self.fit_trial(views)
-            start, result = near.camera if near else self.start, None
+            start = near.camera if near else self.start
+            result = None
             with suppress(CalibrationError):
                 result = fit(views, self.img_size, self.model, start=start, board_shape=bends)
             self._fits[key] = (tuple(views), result)
@@ -95,7 +96,10 @@ class Consistency:
         return bool(rms <= MAX_ERROR_RATIO * max(before.rms_inliers, self.min_error))
 
     def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int) -> list[View]:
-        """Views that agree with `view` and each other; stops if they cannot be `more_than` that many."""
+        """Views that agree with `view` and each other: it first, then the newest.
+
+        Stops when more than `more_than` can no longer be found.
+        """
         consistent = [view]
         for left, other in zip(range(len(candidates), 0, -1), reversed(candidates), strict=True):
             if len(consistent) + left <= more_than:

@@ -22,7 +22,14 @@ from .ending import EndReason, History
 class Advice:
     """Advice to the user about a whole capture."""
 
-    code: str
+    code: Literal[
+        "prediction_disagrees",
+        "limit_reached",
+        "model_too_simple",
+        "board_bent",
+        "motion",
+        "focus_changed",
+    ]
     text: str
 
 
@@ -82,10 +89,10 @@ class Estimate:
     progress
         0 to 1; 1 if converged. It may fall with a view that shows more noise than was seen before.
     end
-        ``target``: the predicted rms is below the target, and the last view was as far off as predicted;
-        ``plateau``: the error has stopped falling although the views are held at their targets; ``limit``: as
-        many views as count are in; ``nothing_new``: only duplicates are shown; ``asked``: the user ended it;
-        None: the capture continues.
+        ``target``: at least `MIN_VIEWS` views are in, the predicted rms is below the target, and the last
+        view was as far off as predicted; ``plateau``: the error has stopped falling although the views are
+        held at their targets; ``limit``: `MAX_VIEWS` views, or as many points as count, are in;
+        ``nothing_new``: only duplicates are shown; ``asked``: the user ended it; None: the capture continues.
     excluded
         By index of the view.
     suggested_model
@@ -112,8 +119,8 @@ class Estimate:
     def with_cause(self, views: Sequence[View]) -> "Estimate":
         """Estimate with the probable cause of systematic residuals as first advice, if it is noticeable.
 
-        `views` are all. A model that is suggested already stays the cause, unless another explains most of
-        the residuals.
+        `views` are all views, also the excluded ones. A model that is suggested already stays the cause,
+        unless another explains most of the residuals.
         """
         if self.calibration is None:
             return self

@@ -185,7 +185,6 @@ class Capture:
         return target.redrawn(self.board, drawn)
 
     @undetermined()
-    @np.errstate(all="ignore")  # hostile numbers end in a refusal, not in a warning
     def judge(
         self,
         views: Sequence[View],
@@ -210,7 +209,21 @@ class Capture:
         explain
             False: the estimate has no advice. `explain` adds it later, once for several recorded views.
         """
-        excluded_before = excluded = excluded or {}
+        with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
+            return self._judge(views, target, view, excluded or {}, quarantined, history, explain=explain)
+
+    def _judge(
+        self,
+        views: Sequence[View],
+        target: TargetPose | None,
+        view: View,
+        excluded: Mapping[int, Exclusion],
+        quarantined: Sequence[View],
+        history: History,
+        *,
+        explain: bool,
+    ) -> ViewDecision:
+        excluded_before = excluded
         reason = rejection_reason(view, self.img_size)
         if reason is not None:
             return self._refuse(reason, view, target)

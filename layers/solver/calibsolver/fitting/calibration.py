@@ -32,7 +32,7 @@ class Calibration:
         px, root of the mean square distance over *all* points, as cv2.calibrateCamera reports it, except
         those of degenerate views.
     view_errors
-        (v,) px, the same for each view.
+        (v,) px, the same for each view; NaN of a degenerate one.
     covariance
         (p, p) of (fx fy cx cy distortion...), see `robust_covariance` and `focal_profile`.
     information

@@ -82,8 +82,8 @@ def fit(
         What is not estimated (`constraint`): names, or a mapping of names to values; variance 0.
     board_shape
         Estimate bend and stretch of the board, if at least MIN_SHAPE_VIEWS views take part and a shape
-        explains them better than chance and motion do. The board is as drawn in plain least squares, where a
-        view is `flat`, and if False, which takes less time.
+        explains them better than chance and motion do. The board is as drawn in plain least squares and if a
+        view is `flat`. False: as drawn, in less time.
 
     Raises
     ------

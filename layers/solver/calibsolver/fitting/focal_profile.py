@@ -18,7 +18,10 @@ from .normal_equations import Poses
 STEP = float(np.log(2)) / 2
 """Logarithm of the focal length, half an octave to either side, at which it is held."""
 MAX_STEP_DEVIATIONS = 10.0
-"""Largest step in standard deviations of the logarithm: if they are smaller, the profile has one minimum."""
+"""Largest `STEP` / standard deviation of the logarithm.
+
+Beyond, the views determine the focal length, and the profile has one minimum.
+"""
 HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
 ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)
 MIN_DETERMINING_VIEWS = 3

@@ -50,7 +50,7 @@ SHORT_STEP = 1e-6
 LONG_STEP = 700.0
 """Step from which it is straight: its exponential overflows."""
 FINITE_DIFFERENCE = 0.1
-"""Share of a step."""
+"""Share of a step over which the second derivative is taken."""
 
 # glibc returns freed blocks of more than 128 KB to the system until it has seen a larger one freed. To map
 # the pages of every linearization again costs a tenth of a fit.
@@ -379,8 +379,8 @@ class Problem(LeastSquares):
 
     def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Residuals (2, v, n), px."""
-        p, pixels = (each.transpose(1, 0, 2) for each in (poses.camera_points(obs.points), obs.pixels))
-        r = self.model.project(k, p) - pixels
+        p = poses.camera_points(obs.points).transpose(1, 0, 2)
+        r = self.model.project(k, p) - obs.pixels.transpose(1, 0, 2)
         return r if obs.scale is None else r * obs.scale
 
     def free(self, da: Array) -> Array:

@@ -140,7 +140,7 @@ class ShapedProblem(LeastSquares):
 class MixedFit:
     """Fit of a board's shape with the rest, for clusters (v,) of views in nearly the same pose.
 
-    Variances are learnt from those where it begun.
+    Variances are learnt starting from `begun`.
     """
 
     problem: ShapedProblem

@@ -24,7 +24,7 @@ def inside_domain(problem: Problem, state: State) -> Mask:
 
 
 def folds(problem: Problem, state: State, mask: Mask) -> bool:
-    """True if too many of the points (v, n) lie elsewhere."""
+    """True if too many of the points (v, n) lie outside the one-to-one domain, or behind the camera."""
     return 1 - float(np.mean(inside_domain(problem, state)[mask])) > MAX_SHARE_OUTSIDE_DOMAIN
 
 

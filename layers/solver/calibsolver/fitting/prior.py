@@ -38,7 +38,10 @@ class Weights:
         self.grown = np.concatenate([edge, slope])
 
 
-weights = lru_cache(maxsize=16)(Weights)
+@lru_cache(maxsize=16)
+def weights(model: Model) -> Weights:
+    """Constants of a model's prior."""
+    return Weights(model)
 
 
 def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array, Array]:

@@ -65,7 +65,9 @@ def _half_extent(points: Array) -> float:
 def explained_points(
     rows: Array, effects: Array, good: Mask, among: Mask, sigma: float, limit: float
 ) -> Mask:
-    """Good points (v, n), and others `among` some that effects on their view explain: no wrong corners.
+    """The `good` points (v, n), and those `among` the others that effects on their view explain.
+
+    These are no wrong corners.
 
     Pose and `effects` (EFFECTS_SIZE, 2, v, n) are fitted to the good points of each view, and predict the
     others, up to the `limit`, px. `rows` (... + 7, 2, v, n) end with the derivatives by the pose and the

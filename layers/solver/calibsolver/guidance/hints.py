@@ -1,6 +1,7 @@
 """Hints to the user: how to move the board from its last pose to the target."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -9,7 +10,26 @@ from ..arrays import Array
 from ..board import Board
 from ..camera import Camera
 
-TEXTS = {
+Code = Literal[
+    "first",
+    "closer",
+    "farther",
+    "left",
+    "right",
+    "up",
+    "down",
+    "tilt_top",
+    "tilt_bottom",
+    "tilt_left",
+    "tilt_right",
+    "turn_clockwise",
+    "turn_counterclockwise",
+    "show_more",
+    "hold_still",
+    "unmirror",
+]
+
+TEXTS: dict[Code, str] = {
     "first": "Match the outline with the board",
     "closer": "Bring the board closer",
     "farther": "Move the board farther away",
@@ -38,7 +58,7 @@ SHIFT_WIDTHS, LOG_DISTANCE, TILT_DEG, ROLL_DEG = 0.12, 0.15, 12.0, 20.0
 class Hint:
     """Instruction to the user."""
 
-    code: str
+    code: Code
 
     @property
     def text(self) -> str:
@@ -88,7 +108,7 @@ def largest_difference(last: Placement, target: Placement, width: int) -> Hint:
     tilt = np.degrees(target.normal[:2] - last.normal[:2]) / TILT_DEG
     roll = np.degrees(np.angle(np.exp(1j * (target.roll - last.roll)))) / ROLL_DEG
     # The picture's y axis points down; a normal that leans up means the top edge is the near one.
-    differences = [
+    differences: list[tuple[float, Code, Code]] = [
         (shift[0], "right", "left"),
         (shift[1], "down", "up"),
         (distance, "farther", "closer"),

@@ -112,7 +112,10 @@ REFINEMENT_RADII = (0.2, 0.12, 0.06)
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Evaluated candidates (c, 6) and their Fisher information (c, p, p), whitened."""
+    """Candidates, points (c, 6) of the unit cube, and their Fisher information (c, p, p).
+
+    The information is whitened by the posterior's.
+    """
 
     unit: Array
     information: Array
@@ -229,7 +232,8 @@ def fisher_information(
 ) -> tuple[Array, Mask]:
     """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
 
-    A corner counts by how probably it is found. Poses that do not respect the limits (c,) have 0.
+    A corner counts by how probably it is found. Also returns which poses (c,) respect the limits; the
+    information of others is 0.
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)

@@ -11,7 +11,7 @@ from ..arrays import Array, frozen
 from ..board import Board
 from ..camera import Camera
 from .candidates import distance_to_border
-from .hints import TEXTS, Hint, Placement, largest_difference
+from .hints import TEXTS, Code, Hint, Placement, largest_difference
 
 ARRAYS = ("rvec", "tvec", "corners", "outline")
 EDGE_SAMPLES = 12
@@ -48,7 +48,7 @@ class TargetPose:
     outline: Array
     purpose: str
     hint: str
-    hint_code: str
+    hint_code: Code
     gain: float
 
     def __post_init__(self) -> None:

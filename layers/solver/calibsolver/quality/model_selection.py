@@ -81,8 +81,8 @@ def fit_other_models(
 
 
 def simplicity_rank(name: str) -> int:
-    """Rank of a model from simple to complex."""
-    return SIMPLEST_FIRST.index(name)
+    """Rank of a model from simple to complex; an unknown one comes last."""
+    return SIMPLEST_FIRST.index(name) if name in SIMPLEST_FIRST else len(SIMPLEST_FIRST)
 
 
 def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list[View]:

@@ -47,9 +47,9 @@ def describe(
     ``std`` and ``covariance`` (p, p) of the intrinsics, ``error_map`` (predicted projection error over the
     image, px, null where the model has no ray), ``held_out`` (null also if it is more than the image is
     wide), ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to
-    choose), ``views``: ``points`` (px), ``residuals`` (measured minus predicted, px), ``rvec``, ``tvec``
-    (board -> camera), ``cut`` (numbers of the points left out), ``reason`` (why the whole view was left out).
-    A degenerate view has neither pose nor error.
+    choose), ``views``: per view its ``index``, ``rms`` (px), ``points`` (px), ``residuals`` (measured minus
+    predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of the points left out), ``reason``
+    (why the whole view was left out). A degenerate view has neither pose nor error: null.
     """
     verdict = assess(calibration, views, held_out)
     cause = probable_cause(calibration, views)

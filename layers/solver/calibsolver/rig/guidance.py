@@ -148,6 +148,7 @@ class _Search:
         self.motions = calibration.motions
         self.corners = CornerGrid.of(board, 5)
         self.skipped = [RigidMotion.of_vector(np.asarray(pose)) for pose in skipped]
+        # The pixels do not matter: only the points are used.
         grid = View(self.corners.points.T, self.corners.points[:2].T)
         held = [isinstance(each, Camera) for each in cameras]
         self.problem = problem = RigProblem.of([dict.fromkeys(range(len(cameras)), grid)], self.cameras, held)

@@ -21,6 +21,12 @@ def test_predicted_error_matches_the_actual_error() -> None:
     assert 0.91 < found.coverage.mean() < 0.99
 
 
+def test_stated_error_is_the_rms_and_the_largest_of_the_map() -> None:
+    found = fit(*corner_views("opencv_left"))
+    std, stated = found.projection_std(), found.uncertainty()
+    np.testing.assert_allclose((stated.rms, stated.max), (np.sqrt(np.nanmean(std**2)), np.nanmax(std)))
+
+
 def test_error_does_not_jump_at_the_edge_of_the_domain() -> None:
     """Of a fisheye lens whose domain ends inside the image in some fits only."""
     views, size = corner_views("babel_ov_plane")

@@ -6,6 +6,7 @@ import pytest
 from calibsolver import Board, Camera, fit, models
 from calibsolver.arrays import Array
 from calibsolver.models import Coefficient, Model, Prior
+from calibsolver.quality.model_selection import simplicity_rank
 from tests.bench.bench_solver import spread
 from tests.helpers.solver import synthetic
 
@@ -50,3 +51,4 @@ def test_a_fifth_model_is_a_class_and_a_line(monkeypatch: pytest.MonkeyPatch) ->
         np.abs(found.camera.intrinsics - truth.intrinsics), 4 * np.sqrt(np.diag(found.covariance))
     )
     assert synthetic.projection_error(truth, found.camera).mean() < 3 * found.uncertainty().rms
+    assert [simplicity_rank(name) for name in (*models.NAMES, "division")][-1] == len(models.NAMES)
