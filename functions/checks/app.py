@@ -51,7 +51,10 @@ def check(call: Call) -> Response:
 def vote(
     call: Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
-    """Count a check, unless its contributor has no vote, or for images of a calibration."""
+    """Count a check as a vote, once.
+
+    False if its contributor has none, or if a calibration was made of its images.
+    """
     service = call.service
     thresholds = service.settings.thresholds
     where = service.source(call.address)

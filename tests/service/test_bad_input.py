@@ -29,8 +29,10 @@ IN_A_SESSION: list[tuple[str, Any, str]] = [
     ("img_size", [True, 720], "img_size.0"),
     ("img_size", [10**400, 720], "img_size.0"),
     ("zoom", float("nan"), "zoom"),
+    ("zoom", -1, "zoom"),
     ("distortion_model", "pinhole", "distortion_model"),
     ("board", "9x6", "board"),
+    ("board", {"squares": [51, 6]}, "board.squares.0"),
     ("board", {"squares": [9, 2]}, "board.squares.1"),  # one row of corners
     ("board", {"squares": [3, 3]}, "board.squares"),  # four corners, too few for any view
     ("board", {"marker_ratio": float("nan")}, "board.marker_ratio"),

@@ -182,6 +182,7 @@ def stored_votes(stack: Server) -> int:
     [
         ({"img_size": [640, 480]}, "calibration.img_size"),
         ({"distortion_model": "fisheye"}, "calibration"),
+        ({"camera_matrix": [[0, 0, 640], [0, 950, 360], [0, 0, 1]]}, "calibration.camera_matrix"),
         ({"distortion_coefficients": [0] * 15}, "calibration.distortion_coefficients"),
     ],
 )

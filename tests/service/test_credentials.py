@@ -100,8 +100,10 @@ def test_a_session_id_signed_with_another_secret_is_refused(client: Client) -> N
 
 
 def test_get_lookup_takes_the_token_in_its_query(client: Client) -> None:
-    for token, status in ((TOKEN, 307), ("cdb_dev_x", 403)):
-        assert client.call("GET", "/v1/lookup", token="", query=f"{QUERY}&key={token}").status == status
+    for name in ("key", "api_key"):
+        for token, status in ((TOKEN, 307), ("cdb_dev_x", 403)):
+            query = f"{QUERY}&{name}={token}"
+            assert client.call("GET", "/v1/lookup", token="", query=query).status == status
 
 
 def test_a_page_of_another_origin_is_refused(store: Store, client: Client) -> None:

@@ -102,9 +102,14 @@ def test_a_cut_scaled_and_turned_picture_has_its_own_camera(client: Client, cali
     query = "format=ros&crop=160,0,960,720&resize=480x360&rotate=90&mirror=1"
     found = read(yaml.safe_load(client.calibration(calibration, query).body)).camera
     assert found.img_size == (360, 480)
-    corner = np.array([[160.0, 0.0]]) - 0.5  # of the cut picture: mirroring a quarter turn keeps it
-    ray = whole.unproject(corner)
-    assert np.abs(found.project(ray[:, [1, 0, 2]]) - [-0.5, -0.5]).max() < 1e-6
+    q = np.array([[500.0, 300.0], [900.0, 650.0]])
+    # by hand: cut, halved about the corner of the picture, turned clockwise, mirrored
+    cut = (q - (160, 0) + 0.5) / 2 - 0.5
+    turned = np.stack([359 - cut[:, 1], cut[:, 0]], axis=1)
+    seen = np.stack([359 - turned[:, 0], turned[:, 1]], axis=1)
+    rays = whole.unproject(q)
+    # mirroring after a quarter turn is a reflection about the diagonal
+    assert np.abs(found.project(rays[:, [1, 0, 2]]) - seen).max() < 1e-6
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,8 @@ def test_other_forms_of_an_address_are_unknown(stack: Server) -> None:
         PATH.replace("1280x720", "01280x720"),
         PATH.replace("rectilinear.json", "rectilinear"),
         PATH.replace("rectilinear", "none"),
+        PATH.replace("/0/", "/0.0/"),
+        PATH.replace("/0/", "/-0/"),
         PATH.replace(DIGEST, DIGEST.upper()),
         PATH.replace(DIGEST, "0" * 32),
     ):

@@ -54,6 +54,23 @@ def test_lookup_writes_only_after_its_response(stack: Server, monkeypatch: pytes
     assert len(list(stack.storage.table.keys("ALIAS#"))) == 1
 
 
+def test_first_use_of_a_trial_token_is_written_after_its_responses(
+    stack: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client = Client(stack)
+    made = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json
+    assert made["expires"] is not None
+    client.api_token = made["token"]
+    with Service.in_server():
+        with writes(stack, monkeypatch) as within:
+            answers = [client.lookup(camera=CAMERA, platform=PLATFORM) for _ in range(601)]
+        assert [answer.status for answer in answers] == [200] * 600 + [429]
+        assert within == []
+    facts = client.call("GET", "/v1/tokens/self", token=made["management_token"]).json
+    assert facts["expires"] is None
+    assert sum(day["lookups"] for day in facts["use"]["days"]) == 600
+
+
 def test_lookup_that_computes_runs_in_a_thread_and_counts_once(
     stack: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:

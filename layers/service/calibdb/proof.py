@@ -1,7 +1,8 @@
 """Proof of an origin: a file on it, fetched by one GET over HTTPS, within bounds of time and size.
 
 The name is resolved once. Each of its addresses must be public, the connection goes to one of them, and the
-peer's address is checked again. TLS verifies the name. No redirect is followed and no cookie is kept.
+peer's address is checked again, so that a name that resolves to something else a moment later changes
+nothing. TLS verifies the name. No redirect is followed and no cookie is kept.
 """
 
 import http.client

@@ -71,8 +71,9 @@ class Service:
         global _settings, _settings_until
         settings = _settings
         if settings is None or time.monotonic() >= _settings_until:
-            variables, _settings_until = with_secrets(os.environ)
-            settings = _settings = Settings.from_environment(variables)
+            variables, until = with_secrets(os.environ)
+            settings = Settings.from_environment(variables)
+            _settings, _settings_until = settings, until
         return _maker(settings)
 
     @classmethod

@@ -148,6 +148,7 @@ def test_a_key_is_safe_in_addresses_and_names(label: str) -> None:
         ("ANNA-SCHMIDT-PC Camera", "Camera"),
         ("DroidCam Source anna-pc", "DroidCam"),
         ("Anna's", "camera"),
+        ("Galaxy S23 von Anna", "Galaxy S23"),
         ("iPhone 15 Pro 0170 1234567 Camera", "iPhone 15 Pro Camera"),
         ("Galaxy S21 (0170-1234567) (046d:082d)", "Galaxy S21 (046d:082d)"),
         ("+49 (0) 170 / 123 45 67 Webcam", "Webcam"),

@@ -70,6 +70,7 @@ def test_missing_settings_are_named(name: str, value: str | None) -> None:
         ("CONTRIBUTOR_PERIOD", "-1"),
         ("MIN_SHARE", "much"),
         ("MIN_SHARE", "nan"),
+        ("MAX_UNEXPLAINED", "0"),
         ("SESSION_SECRETS", ","),
         ("THRESHOLDS", "MIN_SHARE"),
         ("THRESHOLDS", "TABLE_NAME=other"),

@@ -22,9 +22,9 @@ from calibdb.store import Store, StreamMode
 from calibsolver import FIT_VERSION, Board, CalibrationError, DeadlineError
 from calibsolver.consensus.mode import fitting_camera
 
-MAX_ROUNDS = 5
+MAX_ROUNDS = 5  # of one computation, for requests that came meanwhile
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # a caller has 25 s
-MAX_PUTS = 5
+MAX_PUTS = 5  # while other writers win the conditional put
 
 POOLING_VERSION = 6  # results of other versions are recomputed
 
@@ -88,6 +88,7 @@ class ModeRefit:
         finally:
             if not done:
                 leases.abandon(self.mode, self._me)
+        # The queue delivers this request again.
         raise UnavailableError("New calibrations of this camera keep arriving; try again.")
 
     def _ensure_current(self, models: Sequence[str]) -> Consensuses:

@@ -67,6 +67,7 @@ class WeeklyDump:
             if following is None:
                 return self._publish(draft)
             advanced = self.dumps.advance(following, tag)
+            # Another writer may be at it; the draft decides whose part counts.
             if advanced is None or self.seconds_left() < MIN_PART_S:
                 return None
             draft, tag = following, advanced

@@ -99,7 +99,7 @@ class Call:
         return replace(self, begun_s=self.begun_s + (MAX_RIG_COMPUTE_S - MAX_COMPUTE_S) * self._factor)
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
-        """Error of a computation that was cut off: UnavailableError on a busy machine."""
+        """`error` if the processor time is used up; else UnavailableError: the machine was busy."""
         metrics.count(ComputeTimeouts=1)
         if self.processor_s_left <= 0:
             return error
@@ -250,7 +250,8 @@ class Call:
     def address(self) -> str:
         """Source address, only ever used inside a keyed hash.
 
-        Our CloudFront, recognised by a secret, appends it to X-Forwarded-For, then the gateway CloudFront's.
+        Anyone can write X-Forwarded-For. Only behind our CloudFront, recognised by a secret, do its last two
+        entries count: the caller's, appended by CloudFront, and CloudFront's, by the gateway.
         """
         shown = self.request.headers.get("x-calibdb-edge", "").encode()
         secrets = self.service.settings.edge_secrets

@@ -81,17 +81,15 @@ def _health(part: Part, run: Future[float] | None, end: float) -> PartHealth:
     """Wait for a check until `end`, by the performance counter."""
     latency = None
     try:
-        if run is None:
-            raise TimeoutError
-        latency = run.result(max(0.0, end - time.perf_counter()))
-    except Exception:  # noqa: BLE001 - of any part
-        _log.warning("the check of %s failed", part.name, exc_info=True)
-    return PartHealth(
-        part=part.name,
-        ok=latency is not None,
-        latency_ms=latency,
-        limit_ms=round(1000 * part.limit_s),
-    )
+        failed = run.exception(max(0.0, end - time.perf_counter())) if run is not None else TimeoutError()
+    except TimeoutError as error:
+        failed = error
+    if failed is not None:
+        _log.warning("the check of %s failed", part.name, exc_info=failed)
+    elif run is not None:
+        latency = run.result()
+    limit_ms = round(1000 * part.limit_s)
+    return PartHealth(part=part.name, ok=failed is None, latency_ms=latency, limit_ms=limit_ms)
 
 
 class _Unredirected(urllib.request.HTTPRedirectHandler):

@@ -16,7 +16,7 @@ SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
 _MAX_MEMBERS = 200
 _MIN_LISTED_CONTRIBUTORS = 2
-AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"  # in the list of all cameras
+AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"  # behind the simulated ones
 
 
 def query_words(query: str) -> list[str]:

@@ -50,7 +50,7 @@ def domain_half_angle(model: str, d: tuple[float, ...]) -> float:
 def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector | None:
     """Distorted point of the ray at angle `theta` off the axis, azimuth `phi`, rad; None beyond the domain.
 
-    Its pixel is `(fx x + cx, fy y + cy)`.
+    On the plane z = 1; its pixel is `(fx x + cx, fy y + cy)`. Formulas: docs/conventions.md.
     """
     if not theta < domain_half_angle(model, d):
         return None

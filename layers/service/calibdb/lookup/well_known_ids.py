@@ -15,7 +15,8 @@ _MAX_ROUNDS = 5
 def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
     """Mark the camera as well known under its name, or not.
 
-    Concurrent computations may have seen less. So each looks again.
+    Of concurrent computations the one that has seen less may write last. So each looks again after its write,
+    and the last one sees everything.
     """
     for _ in range(_MAX_ROUNDS):
         if not _refresh_once(store, camera_key, thresholds):

@@ -1,6 +1,6 @@
 """Quality gates: precisions of sessions, of evidence, and of what checks may confirm.
 
-Errors are in pixels / image width.
+Errors are in pixels / image width, where the boards were if that is known, else over the image.
 """
 
 from calibdb.schema import Calibration, CalibrationDocument, Uncertainty

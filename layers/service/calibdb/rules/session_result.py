@@ -50,7 +50,7 @@ def calibration_id(document: SessionDocument) -> str:
 
 
 def calibration_name(sid: str, first_version: int) -> str:
-    """Second part of a calibration id, from which no session follows.
+    """Second part of a calibration id; the session cannot be derived from it.
 
     Ids are public, so they contain only the day of the session's start.
     """

@@ -93,7 +93,7 @@ def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewD
     if known is None:
         require_open(document)
         return False
-    if _same_corners([known], view) is None:
+    if _corners(known) != _corners(view):
         raise ConflictError(detail, kind="other-content")
     return True
 
@@ -119,7 +119,7 @@ def validate_batch(
             "one request.",
             kind="not-recorded",
         )
-    added = [view for view in document.views if view.index >= index]
+    added = [(_corners(view), view) for view in document.views if view.index >= index]
     if index > document.next_index or len(added) < document.next_index - index:
         raise ConflictError(
             f"This index is not open; send the views with index {document.next_index}.",
@@ -127,10 +127,9 @@ def validate_batch(
         )
     replayed: list[ViewDocument | None] = []
     for view in views:
-        known = _same_corners(added, view)
-        if known is not None:
-            added.remove(known)
-        replayed.append(known)
+        corners = _corners(view)
+        same = next((n for n, (known, _) in enumerate(added) if known == corners), None)
+        replayed.append(None if same is None else added.pop(same)[1])
     if None in replayed:
         require_open(document)
     wrong: list[FieldError] = []
@@ -189,7 +188,7 @@ def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDo
 
     More views like it show that the accepted ones were wrong.
     """
-    if _same_corners(document.doubted, view) is not None:
+    if any(_corners(doubted) == _corners(view) for doubted in document.doubted):
         return None
     return document.model_copy(update={"doubted": (*document.doubted, view)[-MAX_QUARANTINED_VIEWS:]})
 
@@ -265,10 +264,9 @@ def require_finishable(document: SessionDocument) -> None:
         )
 
 
-def _same_corners(known: Sequence[ViewDocument], view: ViewDocument | ObservedCorners) -> ViewDocument | None:
-    """View with the same corners, in any order."""
-    corners = dict(zip(view.ids, view.points, strict=True))
-    return next((one for one in known if dict(zip(one.ids, one.points, strict=True)) == corners), None)
+def _corners(view: ViewDocument | ObservedCorners) -> dict[int, tuple[float, float]]:
+    """Points of a view by corner: equal for the same corners in any order."""
+    return dict(zip(view.ids, view.points, strict=True))
 
 
 def find_seed(

@@ -21,11 +21,11 @@ from calibdb.schema.fields import IPV6_SOURCE, size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width
-_MAX_EXCESS_WIDTHS = 5e-4  # beyond the noise, that no ratio excuses
-_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of one product, rms over the image
-_MAX_SIGMAS = 3.0
-_MAX_INFORMATIVE_WIDTHS = 2e-3  # predicted error of a camera
+_NOISE_FLOOR_WIDTHS = 1e-4  # of the width: smaller errors do not matter
+_MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
+_SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width, rms over the image: specimens of one product differ by that
+_MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
+_MAX_INFORMATIVE_WIDTHS = 2e-3  # of the width: predicted error up to which a camera is informative
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def decide_vote(
     """Decide whether views vote for a consensus (True), against it (False), or neither (None).
 
     `own`: the camera that the views determine, if they do. One of another model may differ where the views do
-    not reach.
+    not reach; then a difference is no vote.
     """
     if not is_explained(error, noise, width, ratio):
         return False
@@ -97,8 +97,9 @@ def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: 
 
 
 def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, one_per_source: bool) -> Votes:
-    """Count votes, the newest first; those against a consensus only from `since` on, its newest calibration.
+    """Count `findings`, the newest first.
 
+    Those against count only from `since` on, unix seconds of the newest calibration that agrees.
     `sources`: of the considered calibrations. `one_per_source`: True if contributors can be distinguished.
     """
     agree: list[str] = []

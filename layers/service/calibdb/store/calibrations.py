@@ -131,11 +131,12 @@ class Calibrations(DocumentStore):
         self._table.delete(item["pk"], item["sk"])
 
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
-        """Return at most `limit` calibrations that count of a camera at one size and zoom, last ended first.
+        """Return at most `limit` calibrations of a mode that count, last ended first.
 
-        Those that are not withdrawn, of the stream as the camera gives it. With a `period`, seconds,
-        contributors are distinguished: then only evidence (`quality_gates.is_evidence`), one of each source
-        in a period, and of each source the newest `MAX_PER_SOURCE`.
+        If there are more, those of the last days. They are not withdrawn, and of the stream as the camera
+        gives it. With a `period`, seconds, contributors are distinguished: then only evidence
+        (`quality_gates.is_evidence`), one of each source in a period, and of each source the newest
+        `MAX_PER_SOURCE`. 0: all.
         """
         counted: list[CountedCalibration] = []
         # Mostly all of them count. If not, many that do not count must not hide one that does.

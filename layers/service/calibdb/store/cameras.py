@@ -94,7 +94,7 @@ class Cameras(ItemStore):
     def search(self, word: str, limit: int, after: str | None) -> tuple[list[tuple[str, str]], str | None]:
         """Return key and normalised label of cameras with a word that begins with `word`: one Query.
 
-        Also the next `after`. An empty word finds all.
+        Also the next `after`, which `is_place` checks. An empty word finds all.
         """
         # A prefix may not be empty; that of every key is its version's letter.
         items = self._table.query(ALL + word[:1], word or "c", limit=limit + 1, after=after)

@@ -31,6 +31,7 @@ EVASIVE_ORIGINS = [
     "https://example.org#@10.0.0.1", "https://example.org/", "https://example.org\\@10.0.0.1",
     "https://example.org\r\nHost: 10.0.0.1", "https://example.org ", "https://example.org.", "https://example",
     "https://metadata.google.internal", "https://x.onion", "https://1.0.0.127.in-addr.arpa",
+    "https://printer.local",
     "https://a.localhost", f"https://{'a' * 64}.org", f"https://{'a.' * 130}org", "https://ex\u0430mple.org",
     "https://example.org\u3002internal", "https://example.0x7f",
 ]  # fmt: skip

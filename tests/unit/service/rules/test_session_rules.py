@@ -31,6 +31,7 @@ def test_no_persons_name_enters_a_document() -> None:
         ((-0.5, -0.5), True),
         ((1279.5, 719.5), True),
         ((-0.51, 0.0), False),
+        ((0.0, -0.51), False),
         ((0.0, 719.51), False),
     ],
 )
