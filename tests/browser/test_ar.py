@@ -108,7 +108,7 @@ def at_the_corner(look: dict[str, Any]) -> tuple[float, float]:
     picture, overlay = decoded(look["picture"]), decoded(look["overlay"])
     h, w = picture.shape[:2]
     assert overlay.shape[:2] == (h, w)
-    assert look["picture"]["place"] == look["overlay"]["place"], "one lies over the other"
+    assert look["picture"]["place"] == look["overlay"]["place"]
     corners, drawn = seen(picture), marks(overlay)
     assert 1 <= len(drawn) <= 4
     away = {
@@ -197,7 +197,7 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     expect(said).to_contain_text("at the outermost corner")
     page.get_by_role("button", name="Stop").click()
     page.locator("#welcome-title:focus").wait_for()
-    expect(page.locator(".virtual-camera:not(video)"), "the camera is let go").to_have_count(0)
+    expect(page.locator(".virtual-camera:not(video)")).to_have_count(0)
 
 
 @pytest.mark.thorough

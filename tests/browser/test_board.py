@@ -29,7 +29,7 @@ FOUND = page_function("find_drawn_boards")
 
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
     page.goto("/board/?lang=en")
-    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
+    expect(page.locator("#papers a")).to_contain_text("Letter")
     page.locator("#more-papers summary").click()
     for language, pictures in (("en", 0), ("de", 0), ("uk", 3)):
         page.locator("#language").select_option(language)
@@ -58,9 +58,7 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes
     canvas = page.locator("#board")
     page.locator("#full-screen").click()
     page.locator("#frame.filling").wait_for()
-    assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden", (
-        "nothing scrolls behind"
-    )
+    assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden"
     picture(page, "board-filling", ["hand"])
 
     def is_turned() -> bool:  # to use the whole of an upright phone
@@ -76,7 +74,7 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes
         page.locator("#frame.filling").wait_for()
         page.evaluate("history.back()")
         page.locator("#frame:not(.filling)").wait_for()
-        assert page.url.endswith("/board/"), "the full screen is closed and not the page"
+        assert page.url.endswith("/board/")
     page.locator("#full-screen").click()
     page.locator("#frame.filling").wait_for()
     page.keyboard.press("Escape")
@@ -93,7 +91,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     expect(page.locator("#columns")).to_have_value("5")
     expect(page.locator("#ratio")).to_be_hidden()
     page.locator("#columns").fill("6")
-    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}"), "it stays of its kind"
+    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}")
     page.locator("#more-papers summary").click()
     with page.expect_download() as download:
         page.locator(".papers a", has_text="A4").click()
@@ -118,7 +116,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
         assert all(href.endswith(f"/{where}/?{asked}") for href in hrefs), where
     page.locator("#columns").fill("2")
     page.locator("#board-problem", has_text="3 to 50").wait_for()
-    expect(page.locator("#description"), "what cannot be changes nothing").to_contain_text("7 × 5")
+    expect(page.locator("#description")).to_contain_text("7 × 5")
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()
     assert address(page).endswith("/board/")

@@ -41,5 +41,5 @@ def test_first_view_and_lookup_through_a_real_camera(
     assert state["camera"]
     assert mirrored == 1
     # Of the path by which this browser calls it, the service shows the file's name.
-    assert state["camera"] in shown, "what is sent can be read before it is"
+    assert state["camera"] in shown
     assert json.dumps(state["platform"]) in shown

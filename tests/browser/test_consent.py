@@ -35,7 +35,7 @@ def test_consent_gives_a_capture_its_licence_is_taken_back_and_publishes_once(pa
     expect(note).to_contain_text("Дякуємо")
     # Kept on this device, for every page that calibrates, until it is taken back.
     page.goto(f"{PRACTICE}&lang=en")
-    expect(box, "it is asked on the result").to_be_hidden()
+    expect(box).to_be_hidden()
     assert start(page) == CONSENT
     page.goto("/import/?lang=en")
     expect(box).to_be_checked()

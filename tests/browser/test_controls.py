@@ -78,12 +78,12 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     height = page.evaluate(HEADER)
     page.locator("#instruction:focus").wait_for()
     page.locator("#sent:visible").wait_for()
-    assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5), "the header keeps its height"
+    assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5)
     hear(page, "another", "Expected: Another one.*Open now: calibDB virtual camera")
     hear(page, "said", "Expected: Another one")  # it is read out too
-    assert page.evaluate(LIVE) == ["said"], "one voice at a time"
+    assert page.evaluate(LIVE) == ["said"]
     page.locator("#undo:enabled").wait_for()
-    expect(page.locator("#another"), "read by now").to_be_hidden()
+    expect(page.locator("#another")).to_be_hidden()
 
     page.locator("#language").select_option("de")
     expect(page.locator("#stop")).to_have_text("Beenden")
@@ -101,7 +101,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     popover.locator("summary").click()
     page.keyboard.press("Escape")
     assert popover.get_attribute("open") is None
-    assert page.evaluate("document.activeElement.parentElement.id") == "senses", "the focus stays there"
+    assert page.evaluate("document.activeElement.parentElement.id") == "senses"
     popover.locator("summary").click()
     page.locator("#stage").click()
     assert popover.get_attribute("open") is None
@@ -133,7 +133,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     picture(page, "capture-interrupted", ["hand"])
     page.locator("#go-on", has_text="Fortfahren").click()
     page.locator("#controls:not([hidden])").wait_for()
-    expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
+    expect(page.locator("#stop")).to_have_text("Beenden")
     assert "/de/calibrate/?" in address(page)
     page.evaluate(UNPLUG)
     page.locator("#failed-title:focus").wait_for()
@@ -193,7 +193,7 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
     page.locator("#settings > summary").click()
     expect(page.locator("#resolutions")).to_be_visible()
     page.locator("#camera").select_option("virtual")
-    expect(page.locator("#resolutions"), "it has one size").to_be_hidden()
+    expect(page.locator("#resolutions")).to_be_hidden()
     page.locator("#start").click()
     page.locator("#opening:not([hidden]), #controls:not([hidden])").wait_for()
     page.locator("#practice").wait_for(state="attached")
@@ -206,7 +206,7 @@ def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page:
     page.goto(f"{ENDLESS}&lang=de")
     page.locator("#controls:not([hidden])").wait_for()
     page.locator("#senses summary").click()  # nothing sounds before a page was touched
-    assert page.evaluate("window.spoken") == [], "that is asked for"
+    assert page.evaluate("window.spoken") == []
     page.locator("#voice").check()
     wait_for_views(page, views(page) + 1)
     # Sounded, shaken and said in the task in which the view is counted, or when what was said before is.

@@ -176,7 +176,7 @@ def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
     expect(page.locator("dialog")).to_contain_text("cannot be undone")
     page.keyboard.press("Escape")
     expect(page.locator("#revoke")).to_be_focused()
-    assert len(stored()) == 1, "nobody agreed"
+    assert len(stored()) == 1
     page.keyboard.press("Enter")
     page.locator("dialog button", has_text="Revoke for good").click()
     expect(page.locator("#token-status")).to_have_text("“My <site>” is revoked.")

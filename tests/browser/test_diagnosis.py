@@ -67,4 +67,4 @@ def test_a_different_board_can_be_used_or_the_right_one_be_shown(page: Page) -> 
     page.locator("#use-board").click()
     hear(page, "notice", "This board is used now: 9 × 6")
     page.locator("#undo:enabled").wait_for()
-    assert "dictionary=DICT_5X5_50" in address(page), "a reload goes on with it"
+    assert "dictionary=DICT_5X5_50" in address(page)

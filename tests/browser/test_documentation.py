@@ -84,7 +84,7 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
     expect(page.locator("#answer")).to_contain_text("camera_matrix")
     answer = json.loads(page.locator("#answer").inner_text())
     assert answer["camera_matrix"] == state["calibration"]["camera_matrix"]
-    assert address(page) == quickstart, "the address is clean again"
+    assert address(page) == quickstart
     assert errors == []
 
 

@@ -14,5 +14,5 @@ def test_faults_in_words_of_the_page(context: BrowserContext) -> None:
     for path in PATHS if THOROUGH else PATHS[:1]:
         page.goto(f"/de{path}")
         page.locator("#waiting p", has_text="gibt es").wait_for()
-        expect(page.locator("#waiting .actions a:visible"), "there are ways on").to_have_count(2)
+        expect(page.locator("#waiting .actions a:visible")).to_have_count(2)
     picture(page, "missing", ["hand"])

@@ -8,17 +8,13 @@ from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
-    FOCUS,
     FULL,
     HIDE,
     KILL,
-    PATIENT,
-    STORED_VIEWS,
     TURN,
     UNPLUG_WITH_A_VIEW,
     VIRTUAL,
     WORKERS,
-    sent_views,
     sessions,
     stop,
     views,
@@ -52,7 +48,7 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     for session, view in sent:  # nothing of one picture goes to the other's session
         assert session == 1
         assert all(x < 640 and y < 360 for x, y in json.loads(view.post_data or "")["points"])
-    expect(page.locator(".virtual-camera"), "the camera before is let go").to_have_count(1)
+    expect(page.locator(".virtual-camera")).to_have_count(1)
 
 
 def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_loses_views(
@@ -193,39 +189,6 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     models = [json.loads(request.post_data or "")["distortion_model"] for request in begun]
     assert models == ["rectilinear", "rational"]
     assert "distortion_model=rational" in address(page)
-
-
-@pytest.mark.thorough
-def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:
-    page = context.new_page()
-    page.add_init_script(FOCUS + PATIENT)
-    begun, sent = sessions(page), sent_views(page)
-    listen(page)
-    page.goto(ENDLESS)
-    wait_for_views(page, 2)
-    focus = [json.loads(request.post_data or "")["track"].get("focusDistance") for request in begun]
-    assert focus == [None, 0.4], "before the first view it is begun anew with the focus that is held"
-    expired = begun[-1].headers["authorization"]
-    problem = (
-        '{"type": "https://calibdb.example/problems/session-expired", "status": 403, "detail": "expired"}'
-    )
-
-    def refuse(route: Route) -> None:
-        if route.request.headers.get("authorization") != expired:
-            return route.fallback()
-        return route.fulfill(status=403, body=problem, content_type="application/problem+json")
-
-    page.route("**/v1/session**", refuse)
-    before, told = views(page), len(sent)
-    captured = [view["points"] for view in page.evaluate(STORED_VIEWS) if view["taken"]]
-    page.locator("#skip").click()
-    hear(page, "notice", "The session had expired. A new session has your views")
-    wait_for_views(page, before)
-    assert len(begun) == 3
-    assert json.loads(begun[-1].post_data or "")["track"]["focusDistance"] == 0.4
-    assert len(captured) >= 2
-    assert [view in sent[told:] for view in captured] == [True] * len(captured), "they are sent again"
-    expect(page.locator("#failed")).to_be_hidden()
 
 
 @pytest.mark.thorough

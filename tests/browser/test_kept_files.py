@@ -48,9 +48,7 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
     page = context.new_page()
     page.goto("/terms/")
     found = kept(page)
-    assert any(each.startswith("/calibrate/main.js?sha256=") for each in found), (
-        "also what was not yet visited"
-    )
+    assert any(each.startswith("/calibrate/main.js?sha256=") for each in found)
     assert not [each for each in found if "/v1/" in each or "config.json" in each or "openapi" in each]
     context.set_offline(True)
     page.goto("/board/?squares=8x5")

@@ -22,7 +22,7 @@ def test_code_is_copied_and_a_lookup_answers_with_a_card_beside_the_counts_of_th
     with passing(page, ".code .copy", "Copied"):
         page.locator(".code .copy").first.click()
     copied = page.evaluate("navigator.clipboard.readText()")
-    assert copied == page.locator(".code code").first.inner_text().strip(), "without the button"
+    assert copied == page.locator(".code code").first.inner_text().strip()
     assert "lookup" in copied
     page.set_viewport_size(SIZES["desk"])
     search = page.get_by_role("searchbox", name="Is your camera in the database?")

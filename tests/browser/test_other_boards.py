@@ -9,10 +9,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import FilePayload, Page, Request, expect
+from playwright.sync_api import Page
 
 from calibsolver import Board, fit
-from tests.helpers.browser.photographs import CAMERA, board_photographs, jpeg, opencv_fx, sent_views
+from tests.helpers.browser.photographs import CAMERA, board_photographs, opencv_fx
 from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import SMALL
 
@@ -104,30 +104,3 @@ def test_live_capture_follows_boards_of_other_kinds(page: Page, name: str) -> No
     found = json.loads(page.locator("#json").text_content() or "")["camera_matrix"][0][0]
     print(f"{name}: fx {found:.2f}, truth {SMALL.fx}")
     assert abs(found / SMALL.fx - 1) < 0.002
-
-
-@pytest.mark.thorough
-def test_folder_of_chessboard_pictures_gives_what_opencv_gives(page: Page) -> None:
-    """Nine by six corners, no board named: fx is `cv2.calibrateCamera`'s of the same corners, to 0.05 px."""
-    sent: list[Request] = []
-    files = [jpeg(grey) for grey in board_photographs(CHESSBOARD, COUNT)]
-    page.goto("/photos/")
-    page.on("request", lambda request: sent.append(request))
-    page.locator("#files").set_input_files(
-        [
-            FilePayload(name=f"chess-{n}.jpg", mimeType="image/jpeg", buffer=content)
-            for n, content in enumerate(files)
-        ]
-    )
-    expect(page.locator("#question-text")).to_contain_text("10 × 7 chessboard")
-    page.locator("#use-board").click()
-    page.locator("#status", has_text=f"The board was found in {COUNT} of {COUNT} photos").wait_for()
-    page.locator("#model").select_option("rectilinear")
-    page.locator("#start").click()
-    page.locator("#verdict").wait_for()
-    found = json.loads(page.locator("#json").text_content() or "")["camera_matrix"][0][0]
-    views = sent_views(sent)
-    assert len(views) == COUNT
-    compare("chessboard", found, views, CHESSBOARD)
-    pictures = [cv2.imdecode(np.frombuffer(each, np.uint8), cv2.IMREAD_GRAYSCALE) for each in files]
-    compare_with_opencv_corners(found, views, pictures)

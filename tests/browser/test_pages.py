@@ -107,7 +107,7 @@ def test_capture_in_all_its_states_sends_keypoints_only(page: Page, api: httpx.C
     assert len(published_corners(page, api)) >= 4
     expect(page.locator("#practice-kept")).to_contain_text("app.example does not get a practice result")
     expect(page.locator("#go-on-really")).to_be_visible()
-    expect(page.locator("#own-camera"), "it is offered once").to_have_count(0)
+    expect(page.locator("#own-camera")).to_have_count(0)
     assert "return_to" not in address(page)
     expect(page.locator("#consent"), "practice is nobody's data").to_be_hidden()
     picture(page, "capture-done")
@@ -117,15 +117,15 @@ def test_capture_in_all_its_states_sends_keypoints_only(page: Page, api: httpx.C
     seen = board.get_attribute("d")
     page.locator("#done .scene-view input").first.focus()
     page.keyboard.press("ArrowRight")
-    assert board.get_attribute("d") != seen, "the 3D view turns"
-    expect(page.locator("#done .scene-view .fields"), "what turns it is seen").to_have_css("opacity", "1")
+    assert board.get_attribute("d") != seen
+    expect(page.locator("#done .scene-view .fields")).to_have_css("opacity", "1")
     page.set_viewport_size({"width": 1440, "height": 900})
-    assert page.evaluate(FRAMES) == 2, "the picture moves"
+    assert page.evaluate(FRAMES) == 2
     assert page.locator(".compare").evaluate("stage => stage.getBoundingClientRect().bottom") < 900
     page.locator("#turn-off").click()
     expect(page.locator("#turn-off")).to_have_count(0)
     assert page.evaluate(TRACK) == "ended", "the camera's light is off"
-    assert page.evaluate("document.activeElement.id") == "trial-picture", "beside what was pressed"
+    assert page.evaluate("document.activeElement.id") == "trial-picture"
     assert page.evaluate(READ_AS_A_PAGE) == [0, 0, True]
     expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#practice")).to_contain_text("Practice run")
@@ -139,11 +139,11 @@ def expect_to_continue_without_a_view(page: Page, api: httpx.Client) -> None:
     """Exclude a view of a result, capture another, and keep the others."""
     before = published_corners(page, api)
     page.locator("#tab-views").click()
-    assert page.locator(".views image").count() == len(before), "each view with its picture"
+    assert page.locator(".views image").count() == len(before)
     page.locator("#view-1-out").click()
     page.locator(".trial").wait_for()
     page.locator(".views").scroll_into_view_if_needed()
-    assert violations(page) == [], "what is scrolled to is as legible as what is seen first"
+    assert violations(page) == []
     first = address(page)
     page.locator("#go-on-without").click()
     # What is asked for while the service is late is done once it answers.

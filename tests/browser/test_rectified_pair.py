@@ -65,4 +65,4 @@ def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page) -> None:
         x = found.q @ (700.5, 300.5, 12, 1)
         assert np.abs(np.array(made["point"]) - found.r1.T @ (x[:3] / x[3])).max() < 1e-6
         assert made["eye"] == "left"
-        assert made["early"] is False, "a video that shows nothing yet"
+        assert made["early"] is False

@@ -59,7 +59,7 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     page.locator("#moment-list li").first.wait_for()
     aspects = "all => all.map((one) => one.clientWidth / one.clientHeight)"
     shapes = page.locator(".picture .stage").evaluate_all(aspects)
-    assert np.allclose(shapes, 320 / 240, atol=0.02), "each half by itself"
+    assert np.allclose(shapes, 320 / 240, atol=0.02)
     page.evaluate(HIDE, True)  # so that it is not over before it is looked at
     picture(page, "rig-during", ["desk"])
     if THOROUGH:  # another moment takes three seconds
@@ -83,7 +83,7 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     assert [label.rsplit(" ", 1)[1] for label in labels] == ["left", "right"]
     expect(page.locator(".epipolar canvas")).to_have_count(2)
     state = api.get(f"/rigs/{rig_id(page)}").raise_for_status().json()
-    assert state["result"]["extrinsics"] == result["extrinsics"], "what a reload shows"
+    assert state["result"]["extrinsics"] == result["extrinsics"]
 
 
 def test_page_of_a_finished_rig_draws_it_and_states_the_boards_shape_in_millimetres(page: Page) -> None:
@@ -93,11 +93,11 @@ def test_page_of_a_finished_rig_draws_it_and_states_the_boards_shape_in_millimet
         "Your board is bent by 0.90\u00a0mm. That was taken into account."
     )
     expect(page.locator("#done .scene .camera")).to_have_count(2)
-    assert page.locator("#done .scene .board").count() >= 4, "boards as the service knows them"
+    assert page.locator("#done .scene .board").count() >= 4
     page.set_viewport_size(SIZES["desk"])
     right = page.locator("#verdict").bounding_box() or {}
     scene = page.locator("#done .scene").bounding_box() or {}
-    assert scene["x"] > right["x"] + 400, "the scene is next to the verdict"
+    assert scene["x"] > right["x"] + 400
     assert scene["y"] + scene["height"] < 900
 
 
@@ -141,7 +141,7 @@ def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
     assert ended["kept"] >= ended["before"], "a killed browser loses no moment"
     state = api.get(f"/rigs/{ended['id']}").raise_for_status().json()
     late = next(moment for moment in state["moments"] if moment["id"] == lost[0]["moment"])
-    assert late["positions"] == [0, 1], "the view that waited has arrived"
+    assert late["positions"] == [0, 1]
     assert all(moment["positions"] for moment in state["moments"])
     expect_true_pose(follower, state["result"])
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from calibdb.store.aliases import alias_digest
 from calibsolver import Camera
 from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.firefox import InFirefox
@@ -16,7 +15,7 @@ from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
 from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.truth import SMALL, Truth
-from tests.helpers.browser.waiting import address, until
+from tests.helpers.browser.waiting import address
 from tests.helpers.marks import thorough
 from tests.helpers.solver.synthetic import projection_error
 
@@ -44,17 +43,9 @@ def assert_true(
 
 LOOKUP = """async (key) =>
   (await import("/sdk/calibdb.js")).lookup(key, { token: "cdb_dev_local" })"""
-DURING_AN_OUTAGE = """async (key) => {
-  const { lookup } = await import("/sdk/calibdb.js");
-  const options = { token: "cdb_dev_local", cache: null, retries: 0 };
-  const error = await lookup({ ...key, camera: "Nobody's X9" }, options).catch(({ message }) => message);
-  return [(await lookup(key, options)).calibration, error];
-}"""
 
 
-def expect_known_after_five(
-    page: Page, api: httpx.Client, stack: str, first: dict[str, Any], truth: Truth
-) -> None:
+def expect_known_after_five(page: Page, api: httpx.Client, first: dict[str, Any], truth: Truth) -> None:
     """Capture with a page's key until its camera is known, and look it up with the SDK."""
     key = {name: first[name] for name in ("camera", "platform", "img_size", "zoom")}
     for seed in range(4):
@@ -66,20 +57,10 @@ def expect_known_after_five(
     found = page.evaluate(LOOKUP, key)
     assert (found["calibration"], found["guidanceUrl"]) == (known, None)
 
-    # While the service fails, the cached lookup answers for this camera, and says of others that it cannot.
-    w, h = truth.size
-    path = f"known/v1/{alias_digest(key['camera'], key['platform'])}/{w}x{h}/0/rectilinear.json"
-    until(page, lambda: httpx.get(f"{stack}/{path}").status_code == 200)
-    down = {"status": 503, "json": {"detail": "Service Unavailable"}}
-    page.route("**/v1/lookup", lambda route: route.fulfill(**down))
-    calibration, error = page.evaluate(DURING_AN_OUTAGE, key)
-    assert calibration == known
-    assert "cannot be asked now" in error
-
 
 @pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
 def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
-    page: Page, api: httpx.Client, stack: str, truth: Truth
+    page: Page, api: httpx.Client, truth: Truth
 ) -> None:
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
@@ -93,7 +74,7 @@ def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_know
     assert_true(stored, views(page), seconds, frames, "Chromium", truth)
     assert_only_keypoints(sent)
     if THOROUGH:
-        expect_known_after_five(page, api, stack, stored, truth)
+        expect_known_after_five(page, api, stored, truth)
 
 
 LOOKS = """

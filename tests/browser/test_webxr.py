@@ -91,7 +91,7 @@ def test_the_browsers_own_inline_session(asking: Page, known: dict[str, Any]) ->
     assert seen["native"] is True
     for nothing in seen["nothing"]:
         check_nothing(nothing)
-        assert nothing["views"] == 1, "and frames come"
+        assert nothing["views"] == 1
     assert seen["refused"] == "TypeError"
     check_answered(seen["first"], known)
     fisheye = {"distortion_model": "fisheye", "distortion_coefficients": [0.01, 0, 0, 0]}

@@ -73,22 +73,6 @@ def shown(page: Page, marks: Array, window: tuple[int, int], *, rectify: bool) -
     return found
 
 
-@pytest.mark.thorough
-def test_a_scene_is_where_a_pinhole_sees_it(page: Page, known: dict[str, Any]) -> None:
-    seen = POINTS @ np.array(known["camera_matrix"]).T
-    pixels = seen[:, :2] / seen[:, 2:]
-    marks, balls = shown(page, pixels, WIDE, rectify=False)
-    # The picture covers the window, in the middle.
-    width, height = SMALL.size
-    scale = max(WIDE[0] / width, WIDE[1] / height)
-    expected = (pixels + 0.5 - (width / 2, height / 2)) * scale + (WIDE[0] / 2, WIDE[1] / 2)
-    expected = expected[expected[:, 0].argsort()]
-    for name, found in (("marks", marks), ("balls", balls)):
-        off = np.linalg.norm(found - expected, axis=1)
-        print(f"{name}: {off.round(3)} px off")
-        assert off.max() < 1
-
-
 def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, Any]) -> None:
     matrix, distortion = (np.array(known[name]) for name in ("camera_matrix", "distortion_coefficients"))
     seen = (

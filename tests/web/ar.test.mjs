@@ -112,30 +112,6 @@ test("misalignment is rms over all corners, and that of the corner nearest to th
   assert.equal(misalignment(mode, pose, [[1, 1]], [[-1, -1]], SIZE), null);
 });
 
-test("the model stands on the board, towards who looks at it, and its crosses are at the outermost corners", () => {
-  const numbers = model(DEFAULT_BOARD);
-  assert.equal(numbers.length % 18, 0, "whole triangles");
-  const vertices = Array.from({ length: numbers.length / 6 }, (_, index) => [
-    ...numbers.subarray(6 * index, 6 * index + 6),
-  ]);
-  assert.ok(vertices.every(([x, y, z]) => x >= -0.1 && x <= 9.1 && y >= -0.1 && y <= 6.1 && z <= 0));
-  assert.ok(vertices.every((vertex) => vertex.slice(3).every((value) => value >= 0 && value <= 1)));
-  const blue = vertices.filter(([, , , red, , b]) => red === 0 && b === 1);
-  for (const [x, y] of [
-    [1, 1],
-    [8, 1],
-    [8, 5],
-    [1, 5],
-  ]) {
-    const near = blue.filter(([u, v]) => Math.hypot(u - x, v - y) < 1);
-    assert.equal(near.length, 12);
-    for (const axis of [0, 1]) {
-      const mean = near.reduce((sum, vertex) => sum + vertex[axis], 0) / near.length;
-      assert.ok(Math.abs(mean - [x, y][axis]) < 1e-6);
-    }
-  }
-});
-
 test("the virtual board faces the camera at every stop", () => {
   for (let stop = 0; stop < 5; stop++) {
     const { rvec, tvec } = stopAt(DEFAULT_BOARD, calibration, stop);

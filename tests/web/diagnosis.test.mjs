@@ -50,7 +50,7 @@ test("edges in focus are sharp, smeared ones are not, in either direction", () =
       assert.ok(blurred < 0.072, `smeared ${blurred}`);
     }
   }
-  assert.equal(sharpness(seen(null), []), null, "a wall has no edges");
+  assert.equal(sharpness(seen(null), []), null);
 });
 
 test("moiré shows in the white of the board, and sensor noise does not", () => {
@@ -87,11 +87,11 @@ test("moiré is looked for in bright parts of the board: dark print may reflect,
       ...print,
       data: print.data.map((value, at) => (value >= 128 ? 30 + ((at % SIZE[0]) % 40 < 20 ? 60 : 0) : 255 - value)),
     };
-    assert.ok(moire(glossy, inverted, found) < 0.1, "reflections");
+    assert.ok(moire(glossy, inverted, found) < 0.1);
     const shaded = { ...print, data: print.data.map((value, at) => value * (0.4 + (0.6 * (at % SIZE[0])) / SIZE[0])) };
-    assert.ok(moire(shaded, DEFAULT_BOARD, found) < 0.02, "shading");
+    assert.ok(moire(shaded, DEFAULT_BOARD, found) < 0.02);
     const striped = { ...print, data: print.data.map((value, at) => dark(at, value)) };
-    assert.ok(moire(striped, inverted, found) > 0.1, "stripes");
+    assert.ok(moire(striped, inverted, found) > 0.1);
   }
 });
 
@@ -160,11 +160,7 @@ test("the metrics of a frame are read from it", () => {
   const { square, moire: unevenness } = frameMetrics(seen(POSES[0]), DEFAULT_BOARD, foundAt(POSES[0]), 0);
   assert.ok(square > 60 && square < 90);
   assert.equal(unevenness, 0);
-  assert.equal(
-    frameMetrics(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square,
-    20,
-    "of markers alone: 13 px at 0.65",
-  );
+  assert.equal(frameMetrics(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square, 20);
 });
 
 test("arrows go from the board as seen to the target, about what is said", () => {
@@ -207,10 +203,7 @@ test("the ghost is the board, its rim included", () => {
   const squares = blackSquares(DEFAULT_BOARD, { ids, corners: exact });
   assert.equal(squares.length, 27);
   const [x, y] = flat.project([-4.5, -3, 12]);
-  assert.ok(
-    squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6),
-    "the first corner",
-  );
+  assert.ok(squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6));
   assert.equal(blackSquares(DEFAULT_BOARD, { ids: [], corners: [] }).length, 0);
   assert.equal(points.length, 40);
 });

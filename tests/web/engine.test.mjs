@@ -132,7 +132,7 @@ test("a view is searched thoroughly; a jerk, blur and another size are refused",
   };
   assert.deepEqual((await taken(detection({ shift: 2.9 }))).found.corners.ids, IDS);
   assert.equal((await taken(detection({ shift: 3.1 }))).found, null);
-  assert.ok((await taken(detection({ shift: 3.1 }), 2)).found, "a hand that is given time may move more");
+  assert.ok((await taken(detection({ shift: 3.1 }), 2)).found);
   assert.equal((await taken(detection({ sharpness: 0.1 }))).found, null);
   assert.deepEqual((await taken(detection({ size: [720, 1280] }))).log.slice(-1), ["resized"]);
 });
@@ -173,7 +173,7 @@ test("other boards are looked for while the page wants it and no corner is seen"
   };
   const blind = { ...detection(), ids: [], points: [], markers: 0 };
   const suggestions = await searched(blind, true);
-  assert.ok(suggestions.length > 0 && suggestions.every((each) => each === null), "there is no board");
+  assert.ok(suggestions.length > 0 && suggestions.every((each) => each === null));
   assert.deepEqual(await searched(blind, false), []);
   assert.deepEqual(await searched(detection(), true), []);
 });

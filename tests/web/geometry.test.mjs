@@ -12,7 +12,6 @@ import {
   DEFAULT_BOARD,
   DICTIONARIES,
   boardFrom,
-  boardQuery,
   corners,
   dictionaryOf,
   markers,

@@ -97,7 +97,7 @@ test("the error map's bands hold the places that have their values, and numbers 
   const lens = { ...calibration(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
   const { svg, levels } = errorPlot(lens, { error_map: { grid: [columns, rows], px }, views: [] });
   const [area] = svg.all("svg");
-  assert.match(svg.attributes["aria-label"], /0\.26\spx.*0\.40\spx/, "the statistic of the headline, and no other");
+  assert.match(svg.attributes["aria-label"], /0\.26\spx.*0\.40\spx/);
   const [left, top, width] = area.attributes.viewBox.split(" ").map(Number);
   const unit = width / SIZE[0]; // plot units a pixel
   const numbers = area.all("text");
@@ -186,7 +186,7 @@ test("values between centres are linear, and go on as they are to the edge", () 
         2,
     0,
   );
-  assert.ok(Math.abs(area - 200 * 100) < 1e-6, "the lowest band is the whole picture");
+  assert.ok(Math.abs(area - 200 * 100) < 1e-6);
 });
 
 test("a finer map goes smoothly through the values that there are", () => {

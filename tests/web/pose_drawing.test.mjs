@@ -43,9 +43,9 @@ for (const board of [
     );
     assert.ok(centres.every((centre) => isInside(centre, rim)));
     assert.ok(pose.corners.every((corner) => isInside(corner, rim)));
-    assert.ok(black.length > (board.kind === "chessboard" ? 30 : 100), "markers are drawn");
+    assert.ok(black.length > (board.kind === "chessboard" ? 30 : 100));
     const some = pose.ids.filter((id) => id % 5 !== 0);
     const part = drawnBoard(board, { ...pose, ids: some, corners: some.map((id) => pose.corners[id]) });
-    assert.equal(part.black.length, black.length, "corners outside the picture are filled in");
+    assert.equal(part.black.length, black.length);
   });
 }

@@ -87,7 +87,7 @@ test("a known camera is answered with its calibration", async () => {
   const { asked, options } = service(json(200, KNOWN));
   const { calibration, guidanceUrl, reason } = await lookup(KEY, { ...options, model: "fisheye" });
   assert.ok(calibration instanceof Calibration);
-  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN, "its data, unchanged");
+  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN);
   assert.deepEqual([guidanceUrl, reason], [null, null]);
   const [{ address, method, headers, body }] = asked;
   assert.deepEqual([address, method, headers.authorization], [`${API}/lookup`, "POST", "Bearer cdb_a_b"]);
@@ -158,7 +158,7 @@ test("anything else is an error with its status and the service's words", async 
     lookup(KEY, refused.options),
     (error) => error instanceof LookupError && error.status === 403 && /token/.test(error.message),
   );
-  assert.equal(refused.asked.length, 1, "a refusal is not asked for again");
+  assert.equal(refused.asked.length, 1);
   await assert.rejects(lookup(KEY, { ...refused.options, token: "" }), /API token/);
   const proxy = service(new Response("<h1>Bad gateway</h1>", { status: 502 }));
   await assert.rejects(lookup(KEY, proxy.options), { status: 502 });
@@ -280,11 +280,7 @@ test("it stops when it is told to, on the line and between attempts", async () =
   assert.equal(asked.length, 1);
   const cache = storage();
   await lookup(KEY, { ...service(json(200, KNOWN)).options, cache });
-  await assert.rejects(
-    lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }),
-    { name: "AbortError" },
-    "nor is what was kept told",
-  );
+  await assert.rejects(lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }), { name: "AbortError" });
 });
 
 test("a camera is asked for once a tab; what is not known is asked for again", async () => {
@@ -300,7 +296,7 @@ test("a camera is asked for once a tab; what is not known is asked for again", a
   await lookup(KEY, { ...options, cache, api: "https://other.example/v1" });
   assert.equal(asked.length, 5, "another size, model or service is another question");
   const damaged = { getItem: () => '{"camera_mat', setItem() {} };
-  assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration, "what cannot be read is asked for again");
+  assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration);
   assert.ok((await lookup(KEY, { ...options, cache: FULL })).calibration);
 });
 
@@ -329,23 +325,15 @@ test("a wish that what is known does not fulfil leads to the guidance page", asy
     distortion_coefficients: [0, 0, 0, 0, 0],
   };
   const scaled = await lookup(KEY, { ...service(json(200, { ...other, adapted })).options, exact: true });
-  assert.deepEqual(
-    [scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]],
-    [[640, 360], 500],
-    "verified for this size",
-  );
+  assert.deepEqual([scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]], [[640, 360], 500]);
   const shown = (await lookup(KEY, service(json(200, { ...other, adapted })).options)).calibration;
-  assert.deepEqual(
-    [shown.img_size, shown.exact_size],
-    [[640, 360], true],
-    "and then whoever asks for less gets it, too",
-  );
+  assert.deepEqual([shown.img_size, shown.exact_size], [[640, 360], true]);
   const reasons = [0.25, 0.1, 1].map(
     async (maxError) => (await lookup(KEY, { ...service(json(200, KNOWN)).options, maxError })).reason,
   );
   assert.deepEqual(await Promise.all(reasons), ["too_uncertain", "too_uncertain", null]);
   const apart = await lookup(KEY, { ...service(json(200, { ...KNOWN, spread: 2 })).options, maxError: 1 });
-  assert.equal(apart.reason, "too_uncertain", "calibrations that differ");
+  assert.equal(apart.reason, "too_uncertain");
 });
 
 test("a track says which camera it is", async () => {
@@ -444,7 +432,7 @@ test("a watched camera is looked up again after a failure that may pass", async 
     const before = asked.length;
     t.mock.timers.tick(29_000);
     await settle();
-    assert.equal(asked.length, before, "not at once");
+    assert.equal(asked.length, before);
     t.mock.timers.tick(2_000);
     // A lookup digests the camera's name in another thread: it takes an unknown number of turns.
     await (calls === 1 ? settle() : turn(() => answers.length >= calls));
@@ -486,7 +474,7 @@ test("the way to the guidance page and back", async () => {
     shown.length = 0;
     const refused = { ...service(json(status, { detail: "no" })).options, location: back, history };
     await assert.rejects(returned(refused), { name: "LookupError", status });
-    assert.equal(shown.length, cleaned, "what is gone is gone, with every reload");
+    assert.equal(shown.length, cleaned);
   }
 });
 
@@ -512,7 +500,7 @@ test("the address of an answer is the digest that docs/api.md prints", async () 
   const rows = [
     ...text.matchAll(/^\| `(.+?)` \| `(.+?)` \| (\d+)x(\d+) \| ([\d.]+) \| (\w+) \| `(\/known\/\S+)` \|$/gm),
   ];
-  assert.ok(rows.length >= 3, "test vectors");
+  assert.ok(rows.length >= 3);
   for (const [, camera, platform, width, height, zoom, model, path] of rows) {
     const key = { camera, platform, img_size: [Number(width), Number(height)], zoom: Number(zoom) };
     const { href } = await edgeAddress(key, model, "https://calibdb.example/v1/");
@@ -524,11 +512,7 @@ test("the address of an answer is the digest that docs/api.md prints", async () 
     await edgeAddress({ ...KEY, resize_mode: "crop-and-scale" }, "rectilinear", "https://calibdb.example/v1"),
     null,
   );
-  assert.equal(
-    await edgeAddress({ ...KEY, zoom: 0.0078125 }, "rectilinear", "https://calibdb.example/v1"),
-    null,
-    "more than six decimals",
-  );
+  assert.equal(await edgeAddress({ ...KEY, zoom: 0.0078125 }, "rectilinear", "https://calibdb.example/v1"), null);
 });
 
 test("a known camera is one GET without headers, and nothing else", async () => {
@@ -712,19 +696,6 @@ test("what it does not know is asked of the service, or leads to the guidance pa
   assert.ok((await lookup(BUNDLED, online)).calibration);
   assert.equal(asked.length, before);
   await assert.rejects(lookup(BUNDLED, { cache: null }), /API token/);
-});
-
-test("another size is answered by the closest, marked, or by what was verified for it", async () => {
-  const at = async (img_size, wish = {}) => lookup({ ...BUNDLED, img_size }, { bundle, cache: null, ...wish });
-  const closest = await at([800, 600]);
-  assert.deepEqual([closest.calibration.img_size, closest.calibration.exact_size], [[640, 480], false]);
-  assert.equal((await at([800, 600], { exact: true })).reason, "other_size");
-  const verified = (await at([960, 540], { exact: true })).calibration;
-  assert.deepEqual(
-    [verified.img_size, verified.camera_matrix[0], verified.relation],
-    [[960, 540], [750, 0, 480], "scale"],
-  );
-  assert.equal((await at([1280, 720], { maxError: 0.1 })).reason, "too_uncertain");
 });
 
 test("another file is refused in words", () => {

@@ -41,17 +41,17 @@ test("a smeared frame is passed over in a hold, not before one, and not for long
   const held = watch([100, 100, 100]);
   const nothing = { ids: [], points: [] };
   const passed = observe(held, nothing, 150, 1280);
-  assert.equal(passed, held, "the very same: nothing was learnt");
+  assert.equal(passed, held);
   assert.equal(observe(passed, at(100), 200, 1280).held, 200);
   assert.equal(observe(passed, at(108), 200, 1280), held);
-  assert.equal(observe(passed, at(108), 250, 1280).held, 0, "that is movement");
+  assert.equal(observe(passed, at(108), 250, 1280).held, 0);
   assert.equal(observe(watch([100]), nothing, 50, 1280).anchor, nothing);
 });
 
 test("time that no frame shows does not count as held", () => {
   const every = (gap) => [0, 1, 2, 3].reduce((state, index) => observe(state, at(100), gap * index, 1280), MOVING);
   assert.equal(every(250).held, 750);
-  assert.equal(every(600).held, 750, "of a device that looks twice a second");
+  assert.equal(every(600).held, 750);
   assert.equal(every(600).seen, 1800);
 });
 
@@ -212,11 +212,7 @@ test("another board is suggested once two looks agree, and the expected one is n
 
 test("a board that may go on beyond the picture's edge is said to be cut off", () => {
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7], [20, 200]), chessboard([10, 7], [20, 200])).isCut, true);
-  assert.equal(
-    after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut,
-    true,
-    "the looks differ",
-  );
+  assert.equal(after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut, true);
 });
 
 test("the upper rows of the expected board are no other board, and what is not plain is not a chessboard", () => {

@@ -87,7 +87,7 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   const again = frames(frame(THERE), HOLD_MS, 650).reduce(reduce, refused);
   assert.equal(decide(again, 650 + HOLD_MS), null);
   assert.equal(refused.ui.notice.key, "capture.useless");
-  assert.equal(refused.sight.target.index, 0, "a refused view leaves the target where it is");
+  assert.equal(refused.sight.target.index, 0);
   const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-3.6, -2.6, 12] };
   const better = frames(frame(moved), HOLD_MS, 2000).reduce(reduce, again);
   assert.equal(decide(better, 2000 + HOLD_MS), "submit");
@@ -133,13 +133,13 @@ test("a capture ends after four holds in a row where the board was before, and s
   for (let n = 0; n < 4; n++) {
     assert.notEqual(decide(state, time), "finish", `after ${n}`);
     hold(places[n % 3], 2 * LONG_HOLD_MS);
-    assert.equal(state.capture.repeats, n + 1, "once for each hold");
+    assert.equal(state.capture.repeats, n + 1);
     assert.equal(state.ui.notice.key, "capture.refused_duplicate");
   }
   assert.equal(decide(state, time), "finish");
   hold(frame(ELSEWHERE), 0);
   const fresh = answered(state, { ...answer, views: viewsOf(5) }, time);
-  assert.equal(fresh.capture.repeats, 0, "a new view begins the count again");
+  assert.equal(fresh.capture.repeats, 0);
 });
 
 test("a pose whose view was refused can be tried again after another hold; one that is in is not sent twice", () => {
@@ -232,12 +232,12 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 1550 });
   assert.equal(first.ui.instruction.code, "show");
   const later = frames(frame(ELSEWHERE), 400, 1600).reduce(reduce, first);
-  assert.equal(later.ui.instruction.code, "tilt_left", "the largest difference first");
+  assert.equal(later.ui.instruction.code, "tilt_left");
   const there = frames(frame(THERE), 450, 2100).reduce(reduce, later);
   assert.equal(there.ui.instruction.code, "hold");
   const sent = reduce(there, { type: "sent", corners: there.sight.corners });
-  assert.equal(sent.ui.instruction.code, "wait", "what is taken need not be held any more");
-  assert.equal(sent.capture.unsteady, false, "it did not move");
+  assert.equal(sent.ui.instruction.code, "wait");
+  assert.equal(sent.capture.unsteady, false);
   const slid = { ids: there.sight.corners.ids, points: there.sight.corners.points.map(([x, y]) => [x + 4, y]) };
   assert.equal(reduce(there, { type: "sent", corners: slid }).capture.unsteady, true);
 });
@@ -251,12 +251,8 @@ test("a board that is never held still is told so after 12 s, and its sharpest f
   const [early, later, late] = [11_000, 14_000, 62_000].map((time) => states[time / 200]);
   assert.deepEqual([early, later, late].map(isRestless), [false, true, true]);
   assert.deepEqual([later, late].map(isSharpestOffered), [false, true]);
-  assert.equal(
-    isSharpestOffered(reduce(late, { type: "sent", corners: late.sight.corners })),
-    false,
-    "a view was held",
-  );
-  assert.equal(isRestless(frames(NOTHING, 20_000).reduce(reduce, capturing([]))), false, "there is no board to hold");
+  assert.equal(isSharpestOffered(reduce(late, { type: "sent", corners: late.sight.corners })), false);
+  assert.equal(isRestless(frames(NOTHING, 20_000).reduce(reduce, capturing([]))), false);
 });
 
 test("what was said of one target does not stand for the next", () => {
@@ -270,7 +266,7 @@ test("what was said of one target does not stand for the next", () => {
     picture: "blob:2",
     time: 1650,
   });
-  assert.equal(unseen.ui.instruction.code, "show", "without a board in sight there is nothing new to say");
+  assert.equal(unseen.ui.instruction.code, "show");
 });
 
 test("in a mirrored preview left is right", () => {
@@ -356,7 +352,7 @@ test("without the service, views are kept and counted, and the target is the pag
     [back.link.offline, back.link.stored, back.capture.progress, back.ui.notice.key],
     [false, 0, 0.5, "capture.came_back"],
   );
-  assert.equal(back.link.attempts, 0, "the connection is not lost any more");
+  assert.equal(back.link.attempts, 0);
 });
 
 test("without the service there is an end: eight views, or three more where it went on asking", () => {
@@ -467,14 +463,14 @@ test("the notice that a capture is opened with is shown once the capture runs", 
   const converged = { ...SESSION, status: "converged", calibration: {}, progress: 1 };
   assert.equal(reduce(opening, { type: "session", session: converged, time: 7_000 }).ui.notice, null);
   const failed = reduce(opening, { type: "failed", code: "not_found" });
-  assert.equal(reduce(failed, { type: "open" }).ui.openingNotice, null, "nor by the next one");
+  assert.equal(reduce(failed, { type: "open" }).ui.openingNotice, null);
 });
 
 test("where nothing of a board is seen for eight seconds, a way to get one is offered until one is seen", () => {
   const blind = (ms, seen = NOTHING) => frames(seen, ms).reduce(reduce, capturing());
   assert.equal(blind(7_900).detector.boardless, false);
   assert.equal(blind(8_100).detector.boardless, true);
-  assert.equal(blind(8_100, { ...NOTHING, markers: 2 }).detector.boardless, false, "there is one, if not well seen");
+  assert.equal(blind(8_100, { ...NOTHING, markers: 2 }).detector.boardless, false);
   assert.equal(reduce(blind(8_100), { type: "frame", detection: frame(THERE), time: 8_200 }).detector.boardless, false);
   const wanted = reduce(capturing(), { type: "want-board" });
   assert.equal(reduce(wanted, { type: "frame", detection: NOTHING, time: 10 }).ui.boardWanted, true);

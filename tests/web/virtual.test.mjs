@@ -3,8 +3,6 @@ import { test } from "node:test";
 import { interpolatePose, perturbPose, rotationMatrix, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 
-const LENS = { fx: 1000, fy: 990, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0.002, p2: -0.001, k3: 0.01 };
-
 test("rotations are rotations, and half way twice is the whole way", () => {
   const r = rotationMatrix([0.4, -0.7, 0.2]);
   for (const [i, j] of [

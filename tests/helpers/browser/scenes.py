@@ -34,8 +34,6 @@ BLIND_DETECTOR = """
     terminate() {}
   };
 """
-# The browser asks whether the page may have the camera, and nobody answers.
-UNANSWERED = "navigator.mediaDevices.getUserMedia = () => new Promise(() => {});"
 
 
 def no_network(page: Page) -> None:
