@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.helpers.browser.interruptions import SHOWN_TARGET, done
-from tests.helpers.browser.pictures import SIZES, picture
+from tests.helpers.browser.pictures import SIZES, picture, shot
 from tests.helpers.browser.site_pages import PAGES, prepare, visit
 from tests.helpers.browser.truth import Truth
 
@@ -62,7 +62,5 @@ def test_the_overlays_of_the_readme(page: Page) -> None:
     for key, name in (("1", "matrix"), ("3", "distorted")):
         page.keyboard.press(key)
         page.locator(f"#stage[data-shown={name}]").wait_for()
-        image = cv2.imdecode(np.frombuffer(page.locator("#stage").screenshot(), np.uint8), cv2.IMREAD_COLOR)
-        assert image is not None
-        halves.append(image)
+        halves.append(shot(page.locator("#stage")))
     cv2.imwrite(str(OUTPUT / "readme-overlays.png"), np.hstack(halves))

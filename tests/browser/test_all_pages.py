@@ -32,7 +32,6 @@ OTHERS: list[tuple[str, Scheme]] = [
 ]
 
 
-# What moves without end
 ENDLESS = """() => document.getAnimations()
   .filter(({ playState, effect }) => playState === "running" && effect?.getTiming().iterations === Infinity)
   .map(({ effect }) => effect.target?.outerHTML.slice(0, 80))"""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import json
 import re
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -22,6 +20,8 @@ from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
+
+from .test_rectifier import decoded
 
 Array = npt.NDArray[np.float64]
 
@@ -69,11 +69,6 @@ OUTER = {0, 1, 6, 7}  # columns where no house stands
 AT_THE_CORNER = 0.14  # diagonals; nearer, every marker is cut off
 WINDOW = 8  # px; half that of a corner's surroundings
 ARM = 14  # px; of a crossing's: lines are up to 9 px wide
-
-
-def decoded(layer: dict[str, Any]) -> npt.NDArray[np.uint8]:
-    data = np.frombuffer(base64.b64decode(layer["png"].split(",")[1]), np.uint8)
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
 
 
 def seen(picture: npt.NDArray[np.uint8]) -> dict[int, Array]:
@@ -155,7 +150,6 @@ def test_overlays_fit_in_firefox(stack: str, in_firefox: InFirefox) -> None:
 
 @pytest.fixture
 def sent(page: Page) -> list[Request]:
-    """All that the page sends besides asking for files."""
     requests: list[Request] = []
     page.on("request", lambda request: None if request.method == "GET" else requests.append(request))
     return requests
@@ -177,7 +171,7 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     said = page.locator("#outermost")
     expect(said).to_contain_text("outermost corner")
     page.evaluate("[window.made, window.isSilent] = [0, true]")
-    until(page, lambda: page.evaluate("window.made") == 1)  # it begins anew with another detector
+    until(page, lambda: page.evaluate("window.made") == 1)
     expect(said).to_contain_text("outermost corner")
     assert sent == []
     page.get_by_role("button", name="Use the estimate").click()
@@ -233,7 +227,7 @@ def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: li
 
 
 def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserContext) -> None:
-    page = context.new_page()  # "not found" is an error in the console
+    page = context.new_page()
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.add_init_script(WEBCAM + BLIND_DETECTOR)
@@ -248,6 +242,6 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     assert urlsplit(there["return_to"][0]).path == "/de/ar/"
     picture(page, "ar-unknown", ["hand"])
     [request] = [request for request in sent if request.method != "GET"]
-    assert set(json.loads(request.post_data or "")) <= {
+    assert set(request.post_data_json) <= {
         "camera", "platform", "img_size", "zoom", "distortion_model", "redirect", "miss",
     }  # fmt: skip

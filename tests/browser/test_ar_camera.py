@@ -86,7 +86,7 @@ def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, whe
 
 
 def test_a_link_to_a_result_that_is_gone_asks_calibdb(context: BrowserContext) -> None:
-    page = context.new_page()  # "gone" is an error in the console
+    page = context.new_page()
     page.add_init_script(WEBCAM + BLIND_DETECTOR)
     page.route("**/v1/calibrations/**", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"}))
     answer(page, "**/v1/lookup", known)

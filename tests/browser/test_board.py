@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
-from tests.helpers.browser.pictures import SIZES, picture
+from tests.helpers.browser.pictures import SIZES, picture, shot
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, until
@@ -16,7 +16,6 @@ from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
-# A phone before permission: cameras without names; what was asked of them.
 PHONE = """
   navigator.mediaDevices.enumerateDevices = async () => [{ kind: "videoinput", deviceId: "", label: "" }];
   navigator.mediaDevices.getUserMedia = async ({ video }) => {
@@ -50,7 +49,7 @@ def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
 
 
 def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes_back(page: Page) -> None:
-    page.add_init_script("delete Element.prototype.requestFullscreen")  # as on an iPhone
+    page.add_init_script("delete Element.prototype.requestFullscreen")
     page.set_viewport_size(SIZES["hand"])
     before = "/config.json"
     page.goto(before)
@@ -61,7 +60,7 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes
     assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden"
     picture(page, "board-filling", ["hand"])
 
-    def is_turned() -> bool:  # to use the whole of an upright phone
+    def is_turned() -> bool:
         box = canvas.bounding_box()
         assert box is not None
         return box["height"] > box["width"] and (box["height"] > 0.65 * 844 or box["width"] > 0.9 * 390)
@@ -152,7 +151,7 @@ def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag:
     for name, value in (("columns", "4"), ("rows", "11"), ("ratio", "0.5")):
         page.locator(f"#{name}").fill(value)
     page.locator("#description", has_text="4 × 11 circles").wait_for()
-    drawn = cv2.imdecode(np.frombuffer(page.locator("#board").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    drawn = shot(page.locator("#board"), cv2.IMREAD_GRAYSCALE)
     complete, centres = cv2.findCirclesGrid(drawn, (4, 11), flags=flag)
     assert complete
     steps = np.linalg.norm(np.diff(centres.reshape(11, 4, 2), axis=1), axis=2)
@@ -163,14 +162,13 @@ def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag:
     expect(page.locator("#papers a")).not_to_have_count(0)
     picture(page, f"board-{kind}", ["hand"], full=True)
     page.add_init_script(BLIND_DETECTOR)
-    for path in ("/photos/", "/calibrate/") if THOROUGH else ():  # and tests/web/boards.test.mjs
+    for path in ("/photos/", "/calibrate/") if THOROUGH else ():
         page.goto(f"{path}?kind={kind}&squares=4x11&marker_ratio=0.5")
         expect(page.locator("#problem, #board-problem").filter(has_text=command).first).to_be_visible()
 
 
 @pytest.mark.thorough
 def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
-    """That they are drawn as OpenCV draws them: tests/web/geometry.test.mjs."""
     page.goto("/board/")
     offered = page.locator("#dictionary option").all_text_contents()
     kinds = [name for name in offered if name.endswith("_1000") or "APRILTAG" in name]
@@ -186,8 +184,7 @@ def test_another_device_is_shown_the_way_by_qr_codes(page: Page) -> None:
     page.add_init_script("delete Element.prototype.requestFullscreen")
     page.goto("/board/?squares=8x5")
     page.locator("#qr path").wait_for(state="attached")
-    code = cv2.imdecode(np.frombuffer(page.locator("#qr").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
-    assert code is not None
+    code = shot(page.locator("#qr"), cv2.IMREAD_GRAYSCALE)
     there, _, _ = cv2.QRCodeDetectorAruco().detectAndDecode(cv2.resize(code, None, fx=3, fy=3))
     assert there.endswith("/board/?squares=8x5&fill=1")
     page.set_viewport_size(SIZES["hand"])
@@ -205,8 +202,7 @@ def test_another_device_is_shown_the_way_by_qr_codes(page: Page) -> None:
         page.locator("#full-screen-code").click()
         page.locator("#code path").wait_for(state="attached")
         page.evaluate("document.getElementById('hint').hidden = true")  # as after six seconds
-        shown = cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
-        assert shown is not None
+        shown = shot(page, cv2.IMREAD_GRAYSCALE)
         _, ids, _, _ = cv2.aruco.CharucoDetector(
             cv2.aruco.CharucoBoard(
                 (8, 5), 1.0, 0.65, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)

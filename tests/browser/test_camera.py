@@ -22,7 +22,7 @@ def test_first_view_and_lookup_through_a_real_camera(
         answer = view.value.response()
         assert answer is not None
         state = answer.json()
-        sent = json.loads(view.value.post_data or "")
+        sent = view.value.post_data_json
         mirrored = page.locator("#stage.mirrored").count()
         shown = page.locator("#sent-json").text_content() or ""
         assert state["accepted"], state["reason"]
@@ -34,7 +34,6 @@ def test_first_view_and_lookup_through_a_real_camera(
         page.locator("#outcome a").click()
         expect(page.locator("#wanted")).to_contain_text(state["camera"])
     errors = np.linalg.norm(np.array(sent["points"]) - truth[sent["ids"]], axis=1)
-    print(f"{len(errors)} corners, {np.sqrt((errors**2).mean()):.3f} px rms; camera {state['camera']!r}")
     assert len(errors) == 40
     assert np.sqrt((errors**2).mean()) < 0.1
     assert state["img_size"] == [WIDTH, HEIGHT]

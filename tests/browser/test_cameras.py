@@ -11,7 +11,7 @@ from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import address
+from tests.helpers.browser.waiting import address, uncaught
 
 KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
@@ -63,9 +63,8 @@ def test_what_is_known_is_drawn(page: Page) -> None:
 def test_a_calibrated_camera_is_found_and_fitted_with_any_model_and_has_no_corners(
     context: BrowserContext, api: httpx.Client
 ) -> None:
-    page = context.new_page()  # a refusal is an error in the console
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    page = context.new_page()
+    errors = uncaught(page)
     capture(api, Truth(), KEY, seed=6)
     listed(api, "shelf test")
     page.goto("/cameras/?query=nobody+has+this")
@@ -97,7 +96,6 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model_and_has_no_corne
 
 
 def one_per_cent_longer() -> dict[str, Any]:
-    """The calibration of `result`, of a lens whose fx is one per cent longer."""
     (fx, *first), second, third = result()["camera_matrix"]
     return result() | {"camera_matrix": [[fx * 1.01, *first], second, third]}
 
@@ -140,7 +138,6 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
     expect(page.locator("#own li")).to_have_count(3)
     expect(page.locator("#own input:checked")).to_have_count(1)
     expect(page.locator("#own li button")).to_have_count(2)
-    # With a file of another program
     compared, caption = page.locator(".comparison thead"), page.locator(".comparison figcaption")
     file = page.locator("#with-file")
     file.set_input_files({"name": "camera.yaml", "mimeType": "text/yaml", "buffer": opencv_file()})
@@ -150,7 +147,6 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
     expect(compared).to_contain_text("camera.yaml")
     file.set_input_files({"name": "no.txt", "mimeType": "text/plain", "buffer": b""})
     expect(page.locator("#own [role=status]")).to_contain_text("No camera was found in this file")
-    # With the consensus, and with each other
     page.locator("#tick-c1-example").uncheck()
     expect(page.locator("#own li", has_text="Own b")).to_contain_text("640\u00a0×\u00a0480")
     expect(page.locator("#own li a", has_text="Own b")).to_have_attribute(
@@ -171,7 +167,6 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
 
 
 def opencv_file() -> bytes:
-    """The calibration of `one_per_cent_longer` as OpenCV writes it."""
     numbers = [number for row in one_per_cent_longer()["camera_matrix"] for number in row]
     return f"""%YAML:1.0
 ---

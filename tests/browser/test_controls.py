@@ -50,7 +50,6 @@ LIVE = """() => [
   ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
   ...document.querySelectorAll("output:not([aria-live])"),
 ].filter((each) => each.checkVisibility()).map(({ id }) => id)"""
-# What is heard, felt and said, written down.
 SENSES = """
   Object.assign(window, { notes: 0, felt: [], spoken: [] });
   const create = AudioContext.prototype.createOscillator;
@@ -59,7 +58,7 @@ SENSES = """
   speechSynthesis.speak = ({ lang, text }) => window.spoken.push([lang, text]);
 """
 HEADER = "document.querySelector('header.rim').getBoundingClientRect().height"
-HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"  # in German
+HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"
 PLUG = """(there) => {
   window.there = there;
   navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
@@ -80,7 +79,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     page.locator("#sent:visible").wait_for()
     assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5)
     hear(page, "another", "Expected: Another one.*Open now: calibDB virtual camera")
-    hear(page, "said", "Expected: Another one")  # it is read out too
+    hear(page, "said", "Expected: Another one")
     assert page.evaluate(LIVE) == ["said"]
     page.locator("#undo:enabled").wait_for()
     expect(page.locator("#another")).to_be_hidden()
@@ -93,7 +92,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
         page.evaluate(HIDE, True)  # as if in the background, so that no view is the last one
     hidden_at = time.monotonic()
     page.on("request", lambda request: sent.append(request.url) if "/v1/" in request.url else None)
-    for language in ("de", "uk") if THOROUGH else ("de",):  # whose words are longer than English ones
+    for language in ("de", "uk") if THOROUGH else ("de",):
         expect_all_in_reach(page, language)
     page.locator("#language").select_option("en")
 
@@ -205,7 +204,7 @@ def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page:
     page.add_init_script(SENSES)
     page.goto(f"{ENDLESS}&lang=de")
     page.locator("#controls:not([hidden])").wait_for()
-    page.locator("#senses summary").click()  # nothing sounds before a page was touched
+    page.locator("#senses summary").click()
     assert page.evaluate("window.spoken") == []
     page.locator("#voice").check()
     wait_for_views(page, views(page) + 1)

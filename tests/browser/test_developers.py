@@ -38,7 +38,6 @@ ASK_TWICE = """async () => {
 
 @pytest.fixture(scope="module")
 def known(api: httpx.Client) -> dict[str, Any]:
-    """Calibration of the camera, on which five contributors agree."""
     return calibrated(api, Truth(), KEY)
 
 
@@ -50,20 +49,17 @@ class Developer:
     done: list[str] = field(default_factory=list)
 
     def act(self, what: str) -> None:
-        """Count an action."""
         self.done.append(what)
 
     def click(self, selector: str) -> None:
-        """Click, which is one action."""
         self.act(f"click {selector}")
         self.page.locator(selector).first.click()
 
 
 @pytest.fixture
 def developer(context: BrowserContext, stack: str) -> Developer:
-    """Developer with an empty profile and a camera."""
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
-    page = context.new_page()  # a refusal is an error in the console
+    page = context.new_page()
     page.add_init_script(CAMERA + BLIND_DETECTOR)
     return Developer(page)
 
@@ -102,7 +98,6 @@ def test_from_the_landing_page_to_a_lookup_on_another_origin(
         page.evaluate("sessionStorage.clear()")
         page.goto(f"{address}not-there")
         assert page.evaluate(ask, [stack, made["token"]]) == [403, None]
-        # An unknown camera is calibrated, and its result comes back to the page.
         page.add_init_script(CAMERA.replace(LABEL, "New One"))
         page.goto(f"{own}/?again")
         expect(page.locator("#answer")).to_have_text("calibDB does not know New One yet.")
@@ -145,7 +140,6 @@ def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
     def stored() -> Any:
         return page.evaluate("JSON.parse(localStorage['calibdb.tokens'])")
 
-    # What was shown once is there after a reload, and after a rotation.
     (made,) = stored()
     assert made.keys() == {"id", "token", "management_token", "name", "origins", "api"}
     page.locator("#token-name").fill("My <site>")
@@ -159,7 +153,6 @@ def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
     page.reload()
     expect(page.locator("#secret-api_token")).to_have_text(rotated["token"])
     expect(page.locator("#secret-management_token")).not_to_contain_text(made["management_token"])
-    # A file brings it back where it was removed; a revoked one is gone.
     with page.expect_download() as saved:
         page.locator("#export").click()
     saved.value.save_as(tmp_path / "tokens.json")
@@ -193,7 +186,7 @@ def expect_refusal(page: Page, words: str) -> None:
 
 
 def test_refusals_are_told_in_words_and_unkept_secrets_are_not_left_unasked(context: BrowserContext) -> None:
-    page = context.new_page()  # a refusal is an error in the console, and here it is meant to be one
+    page = context.new_page()
     problem = {
         "title": "Quota used up",
         "status": 429,
@@ -217,7 +210,6 @@ def test_refusals_are_told_in_words_and_unkept_secrets_are_not_left_unasked(cont
     expect_refusal(page, "calibDB cannot be reached")
     context.set_offline(offline=False)
 
-    # Nothing keeps the secret that is made at last.
     page.evaluate("""() => {
       Storage.prototype.setItem = () => { throw new DOMException("full", "QuotaExceededError"); };
     }""")

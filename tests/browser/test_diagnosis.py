@@ -1,7 +1,5 @@
 """Diagnosis of pictures in which the board is not seen, or not well."""
 
-import json
-
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -51,7 +49,7 @@ def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page)
     page.goto(capture_page(shown_legacy="true"))
     hear(page, "notice", "older layout")
     page.locator("#undo:enabled").wait_for()
-    boards = [json.loads(request.post_data or "")["board"] for request in begun]
+    boards = [request.post_data_json["board"] for request in begun]
     assert [board["legacy"] for board in boards] == [False, True]
 
 

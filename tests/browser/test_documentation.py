@@ -19,7 +19,7 @@ from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import address, until
+from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
 from tests.helpers.rig_vectors import RIGS_PATH
 
@@ -47,7 +47,6 @@ CAMERAS = """
 
 @pytest.fixture(scope="module")
 def token(stack: str) -> dict[str, Any]:
-    """A token as somebody makes it for pages of their own machine."""
     made = httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}, timeout=60)
     assert made.status_code == 201, made.text
     return made.json()
@@ -66,9 +65,8 @@ def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[st
 def test_quickstart_ends_with_a_page_that_knows_its_camera(
     context: BrowserContext, quickstart: str, stack: str, api: httpx.Client
 ) -> None:
-    page = context.new_page()  # an unknown camera is an error in the console
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    page = context.new_page()
+    errors = uncaught(page)
     page.add_init_script(CAMERAS + BLIND_DETECTOR)
     page.goto(quickstart)
     page.get_by_role("button", name="Open the camera").click()
@@ -78,7 +76,7 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
     asked = {name: values[0] for name, values in parse_qs(urlsplit(page.url).query).items()}
     assert asked["return_to"] == quickstart
     key = {"camera": asked["camera"], "platform": asked["platform"], "img_size": [1280, 720]}
-    state = capture(api, Truth(), key, seed=3)  # the capture itself has its own tests
+    state = capture(api, Truth(), key, seed=3)
     page.goto(f"{stack}/result/?id={state['calibration_id']}&return_to={asked['return_to']}")
     page.locator("#return").click()
     expect(page.locator("#answer")).to_contain_text("camera_matrix")
@@ -89,7 +87,6 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
 
 
 def script(source: str) -> str:
-    """The JavaScript of a document, as a reader pastes it: one block after the other, and nothing else."""
     codes = [block.code for block in blocks(source) if block.language == "js" and block.reason is None]
     assert codes
     return "\n".join([*codes, "globalThis.done = true;"])
@@ -97,8 +94,7 @@ def script(source: str) -> str:
 
 def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack: str) -> None:
     page = context.new_page()
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    errors = uncaught(page)
     page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
     page.route("**/known/**", lambda route: route.fulfill(status=404))
     page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=rig_result()))

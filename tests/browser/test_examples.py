@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.pictures import picture, shot
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
@@ -20,10 +20,10 @@ from .test_ar import SMALL_WEBCAM
 Array = npt.NDArray[np.float64]
 TRUTH = replace(SMALL, k1=-0.2)
 SQUARES = (9, 6)
-DEPTH = 1.6 * SQUARES[0] * TRUTH.fx / TRUTH.size[0]  # of the board, squares
+DEPTH = 1.6 * SQUARES[0] * TRUTH.fx / TRUTH.size[0]
 MARKS = np.array([(-4.5, -3), (4.5, -3), (4.5, 3), (-4.5, 3)])
 CORNERS = np.array([(x - 4.5, y - 3.0) for y in range(1, 6) for x in range(1, 9)])
-AMBER = np.array([0, 176, 255])  # as OpenCV has it: blue first
+AMBER = np.array([0, 176, 255])
 STRAIGHT = """async (lens) => {
   const { rectifiedMatrix } = await import("/sdk/rectification.js");
   return rectifiedMatrix(lens, 0);
@@ -53,12 +53,6 @@ DETECTOR = cv2.aruco.CharucoDetector(
 )
 
 
-def shown(page: Page) -> npt.NDArray[np.uint8]:
-    """Return the stage as it is seen."""
-    data = np.frombuffer(page.locator("#stage").screenshot(), np.uint8)
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR), dtype=np.uint8)
-
-
 def amber(image: npt.NDArray[np.uint8]) -> Array:
     """Return the middles of the marks, (n, 2) px from the picture's corner."""
     mask = (np.abs(image.astype(int) - AMBER).max(axis=2) < 60).astype(np.uint8)
@@ -72,7 +66,7 @@ def complete(page: Page) -> tuple[npt.NDArray[np.uint8], Array, Array]:
     """Wait for picture and scene; return both, the marks, and the board's corners, px."""
 
     def seen() -> tuple[npt.NDArray[np.uint8], Array, Array] | None:
-        image = shown(page)
+        image = shot(page.locator("#stage"))
         marks = amber(image)
         corners, ids, _, _ = DETECTOR.detectBoard(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
         whole = len(marks) == len(MARKS) and ids is not None and len(ids) > 12
@@ -124,7 +118,7 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
 def test_a_refused_camera_is_let_go_and_an_unknown_one_drawn_over_with_its_estimate(
     context: BrowserContext,
 ) -> None:
-    page = context.new_page()  # a refusal is an error in the console
+    page = context.new_page()
     page.add_init_script(GIVEN)
     page.route("**/v1/lookup", lambda route: route.fulfill(status=403, json={"detail": "no"}), times=1)
     page.goto("/examples/three/")

@@ -10,7 +10,7 @@ PATHS = ("/cameras/?key=c2.none", "/result/?id=none")
 
 
 def test_faults_in_words_of_the_page(context: BrowserContext) -> None:
-    page = context.new_page()  # failed requests are errors in the console, and here they are meant to be
+    page = context.new_page()
     for path in PATHS if THOROUGH else PATHS[:1]:
         page.goto(f"/de{path}")
         page.locator("#waiting p", has_text="gibt es").wait_for()

@@ -12,13 +12,11 @@ def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visitor: V
     page.goto("/terms/?query=c920#data")
     page.locator("h1", has_text="Nutzungsbedingungen").wait_for()
     assert address(page).endswith("/de/terms/?query=c920#data")
-    # English, chosen, stays: here, and wherever an address says no language.
     page.locator("#language").select_option("en")
     page.locator("nav summary", has_text="Calibrate").wait_for()
     assert "/de/" not in address(page)
     page.goto("/privacy/")
     page.locator("h1", has_text="Privacy").wait_for()
-    # A shared address says its language to everybody.
     page.goto("/uk/terms/")
     page.locator("h1", has_text="Умови користування").wait_for()
 

@@ -1,6 +1,5 @@
 """Interruptions of a capture: no captured view is lost."""
 
-import json
 import re
 
 import pytest
@@ -41,13 +40,13 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     page.locator("#undo:enabled").wait_for()
     page.evaluate(TURN)
     hear(page, "notice", "a separate calibration")
-    assert [json.loads(request.post_data or "")["img_size"] for request in begun] == [
+    assert [request.post_data_json["img_size"] for request in begun] == [
         [640, 360],
         [360, 640],
     ]
     for session, view in sent:  # nothing of one picture goes to the other's session
         assert session == 1
-        assert all(x < 640 and y < 360 for x, y in json.loads(view.post_data or "")["points"])
+        assert all(x < 640 and y < 360 for x, y in view.post_data_json["points"])
     expect(page.locator(".virtual-camera")).to_have_count(1)
 
 
@@ -60,7 +59,7 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_los
     listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
-    page.locator("#stop").dblclick()  # in haste, which counts once
+    page.locator("#stop").dblclick()
     hear(page, "stop", r"^Stop\?$")
     hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
@@ -100,13 +99,13 @@ def expect_to_continue_without_the_service(page: Page) -> None:
     hear(page, "opening-text", "connection to calibDB is lost. Trying again")
     # It is not waited for: the page has targets of its own.
     expect(page.locator("#away")).to_contain_text("No connection. Continue")
-    target = page.locator("#target[points*=',']")  # until there are enough views
+    target = page.locator("#target[points*=',']")
     assert len((target.get_attribute("points") or "").split()) == 4
     page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
     page.evaluate(HIDE, True)  # no view comes between two presses
     picture(page, "capture-away", ["hand"])
 
-    def is_refused() -> bool:  # what was taken meanwhile is taken back, before
+    def is_refused() -> bool:
         page.locator("#undo:enabled").click()
         return any("only once calibDB is back" in said for said in heard(page, "notice"))
 
@@ -166,7 +165,6 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
 def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     context: BrowserContext, lens: str
 ) -> None:
-    """Somebody who chose a type is asked; where it is detected, the suggested one is taken by itself."""
     page = context.new_page()
     begun = sessions(page)
 
@@ -186,7 +184,7 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     until(page, lambda: views(page) >= 1)
     expect(page.locator("#lens")).to_have_value("rational")
     expect(page.locator("#model")).to_be_hidden()
-    models = [json.loads(request.post_data or "")["distortion_model"] for request in begun]
+    models = [request.post_data_json["distortion_model"] for request in begun]
     assert models == ["rectilinear", "rational"]
     assert "distortion_model=rational" in address(page)
 

@@ -69,7 +69,7 @@ def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) 
 def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_every_language(
     context: BrowserContext,
 ) -> None:
-    page = context.new_page()  # refused requests are errors in the console
+    page = context.new_page()
     for path in PATHS if THOROUGH else PATHS[-1:]:
         no_network(page)
         page.goto(f"{path}&lang=en")
@@ -90,7 +90,6 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
 def test_no_frame_of_english_is_painted_for_who_reads_another_language(
     visitor: Visitor, language: str, path: str
 ) -> None:
-    """Over a slow line, from an English address: no text of the English page, no name of a text."""
     context = visitor(locale=f"{language}-XX")
     shown: list[str] = []
     painted: list[str] = []

@@ -63,7 +63,7 @@ def test_data_page_shows_figures_and_files(page: Page) -> None:
     page.goto("/de/data/")
     expect(page.locator("#calibrations")).to_have_text("1.330")
     expect(page.locator("#wanted-rows a").first).to_have_text("<b>Doubted</b> (046d:0800)")
-    expect(page.locator("#wanted-rows a")).to_have_count(11)  # one camera has no page
+    expect(page.locator("#wanted-rows a")).to_have_count(11)
     expect(page.locator("#wanted-rows tr")).to_have_count(12)
     first = dump()["files"][0]
     expect(page.locator(".digest").first).to_have_text(first["sha256"])

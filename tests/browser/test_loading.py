@@ -29,7 +29,6 @@ def test_settings_that_cannot_be_loaded_are_said_in_plain_words(context: Browser
 
 
 def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
-    """On a slow line the buttons are there before what they do."""
     pages = (
         # (page, its module, form to send or button to click, what then is there)
         ("/examples/arjs/", "**/examples/arjs/main.js", "#start", "#problem:not([hidden])"),
@@ -51,7 +50,6 @@ def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
 
 @pytest.mark.thorough
 def test_every_button_is_heard_as_soon_as_the_scripts_have_run(page: Page) -> None:
-    """Then the clicks are given back that came before."""
     others = tuple(f"{folder}/" for folder in (*LANGUAGES, "docs/reference"))
     pages = {key: text for key, text in made_files().items() if key.endswith(".html")}
     keys = [key for key, text in pages.items() if b"<button" in text and not key.startswith(others)]
@@ -77,7 +75,6 @@ def test_a_file_that_is_chosen_before_the_scripts_run_is_read(page: Page) -> Non
 
 
 def click_while_held(page: Page, address: str, module: str, button: str) -> None:
-    """Open a page, click a button while one of its modules is on its way, and let that one come."""
     held: list[Route] = []
     clicked = False
     page.route(module, lambda route: route.continue_() if clicked else held.append(route))

@@ -102,7 +102,7 @@ def check_drawn(sums: list[dict[str, Any]]) -> None:
 
 
 def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
-    page = context.new_page()  # which tells that the GPU was lost
+    page = context.new_page()
     page.goto(PLAIN)
     check_drawn(page.evaluate(DRAWN, calibration("rectilinear", HALF)))
 
@@ -114,7 +114,7 @@ def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InF
 
 @pytest.mark.thorough
 def test_overlays_go_on_with_the_gpu_and_say_so_where_it_is_lost_for_good(context: BrowserContext) -> None:
-    overlays = context.new_page()  # which tells that the GPU was lost
+    overlays = context.new_page()
     overlays.goto(ADDRESS)
     overlays.locator("#rms:not(:empty)").wait_for()
     counts = overlays.evaluate(ON_THE_PAGE)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 from typing import Any
 
 import cv2
@@ -15,6 +14,7 @@ from calibsolver import Board, fit
 from tests.helpers.browser.photographs import CAMERA, board_photographs, opencv_fx
 from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import SMALL
+from tests.helpers.browser.waiting import shown_calibration
 
 CHESSBOARD = Board(kind="chessboard", squares=(10, 7))
 APRILGRID = Board(kind="aprilgrid", squares=(4, 3), dictionary="DICT_APRILTAG_36h11", tag_spacing=0.25)
@@ -65,7 +65,6 @@ def check(name: str, found: dict[str, Any] | None, pictures: list[Any]) -> None:
 
 
 def compare(name: str, ours: float, views: list[dict[str, Any]], board: Board) -> None:
-    """Focal length against OpenCV's with the same corners, within its standard deviation."""
     theirs, deviation = opencv_fx(board, views, CAMERA.size)
     print(f"{name}: fx {ours:.3f}, OpenCV with the same corners {theirs:.3f}, truth {CAMERA.fx}")
     assert abs(ours - theirs) < deviation
@@ -73,14 +72,12 @@ def compare(name: str, ours: float, views: list[dict[str, Any]], board: Board) -
 
 
 def compare_with_opencv_corners(ours: float, views: list[dict[str, Any]], pictures: list[Any]) -> None:
-    """Focal length of a chessboard against OpenCV's with the same corners, and with its own."""
     theirs, deviation = opencv_fx(CHESSBOARD, views, CAMERA.size)
     assert abs(ours - theirs) < 0.05
     assert abs(ours - with_opencv_corners(pictures)) < deviation
 
 
 def with_opencv_corners(pictures: list[Any]) -> float:
-    """Focal length by OpenCV with the corners that OpenCV finds in pictures of the chessboard, px."""
     seen = [cv2.findChessboardCornersSB(p, (9, 6), flags=cv2.CALIB_CB_ACCURACY) for p in pictures]
     theirs = [corners.astype(np.float32) for is_found, corners in seen if is_found]
     whole = [CHESSBOARD.points.astype(np.float32)] * len(theirs)
@@ -98,9 +95,8 @@ LIVE = {
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", LIVE)
 def test_live_capture_follows_boards_of_other_kinds(page: Page, name: str) -> None:
-    """A guided capture of the simulated camera ends by itself, within 0.2 % of its focal length."""
     page.goto(f"/calibrate/?{SMALL.query(seed=3)}&{LIVE[name]}")
     page.locator("#done:not([hidden]) #json").wait_for(state="attached")
-    found = json.loads(page.locator("#json").text_content() or "")["camera_matrix"][0][0]
+    found = shown_calibration(page)["camera_matrix"][0][0]
     print(f"{name}: fx {found:.2f}, truth {SMALL.fx}")
     assert abs(found / SMALL.fx - 1) < 0.002

@@ -68,7 +68,7 @@ def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: s
 
     def answer(route: Route) -> None:
         if not met and route.request.method != "POST":
-            return route.continue_()  # it begins with a view
+            return route.continue_()
         met.append(float(route.request.headers["x-asked"]))
         return answers[outage](route)
 

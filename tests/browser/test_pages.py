@@ -49,14 +49,12 @@ FRAMES = page_function("count_frames")
 
 
 def published_corners(page: Page, api: httpx.Client) -> list[Any]:
-    """Return the first corner of each view of the calibration that the page shows."""
     page.locator(".views li").first.wait_for(state="attached")
     answer = api.get(f"/calibrations/{address(page).split('id=')[1]}", params={"format": "photonvision"})
     return [view["locationInImageSpace"][0] for view in answer.raise_for_status().json()["observations"]]
 
 
 def press_at(page: Page, selector: str) -> None:
-    """Go to an element by the tabulator, and press it."""
     focused = "(selector) => document.activeElement.matches(selector)"
     for _ in range(40):
         page.keyboard.press("Tab")
@@ -93,7 +91,6 @@ def test_capture_in_all_its_states_sends_keypoints_only(page: Page, api: httpx.C
     shifts = page.evaluate("window.shifts")
     assert shifts
     within_5_s = [sum(value for at, value in shifts if 0 <= at - start <= 5000) for start, _ in shifts]
-    print(f"layout shift within 5 s: at most {max(within_5_s):.4f}")
     assert max(within_5_s) < MAX_SHIFT
     taken = views(page)
     expect(page.locator("#film .taken img")).to_have_count(taken)
@@ -101,7 +98,7 @@ def test_capture_in_all_its_states_sends_keypoints_only(page: Page, api: httpx.C
     expect(page.locator("#film > i")).to_have_count(taken + 1)
     picture(page, "capture-during")
     page.evaluate(HIDE, False)
-    press_at(page, "#finish")  # from four views it can be ended by hand
+    press_at(page, "#finish")
     done(page)
     expect(page.locator("#result-name")).to_be_focused()
     assert len(published_corners(page, api)) >= 4
@@ -136,7 +133,6 @@ def test_capture_in_all_its_states_sends_keypoints_only(page: Page, api: httpx.C
 
 
 def expect_to_continue_without_a_view(page: Page, api: httpx.Client) -> None:
-    """Exclude a view of a result, capture another, and keep the others."""
     before = published_corners(page, api)
     page.locator("#tab-views").click()
     assert page.locator(".views image").count() == len(before)
@@ -146,7 +142,6 @@ def expect_to_continue_without_a_view(page: Page, api: httpx.Client) -> None:
     assert violations(page) == []
     first = address(page)
     page.locator("#go-on-without").click()
-    # What is asked for while the service is late is done once it answers.
     page.locator("#finish").wait_for()
     held: list[Route] = []
     back = False
@@ -181,7 +176,6 @@ def expect_to_continue_without_a_view(page: Page, api: httpx.Client) -> None:
 
 @pytest.mark.thorough
 def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
-    # A page of its own: a refused request is an error in the console, and here it is meant to be one.
     page = context.new_page()
     problem = '{"title": "Forbidden", "status": 403, "detail": "The API token is not valid."}'
     page.route(

@@ -74,7 +74,7 @@ def submit(api: httpx.Client, views: list[dict[str, Any]]) -> tuple[dict[str, An
 def assert_equal_to_opencv(calibration: dict[str, Any], views: list[dict[str, Any]], what: str) -> None:
     rms, matrix = calibrated_by_opencv(views)
     ours = np.array(calibration["camera_matrix"])
-    places = ([0, 1, 0, 1], [0, 1, 2, 2])  # fx, fy, cx, cy
+    places = ([0, 1, 0, 1], [0, 1, 2, 2])
     ratio = ours[places] / matrix[places] - 1
     error = calibration["avg_reprojection_error"] / rms - 1
     print(f"{what}: {len(views)} views, fx fy cx cy {100 * ratio} %, rms {rms:.4f} px {100 * error:+.2f} %")

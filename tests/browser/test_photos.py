@@ -15,7 +15,7 @@ from calibsolver import Board
 from tests.helpers.browser import photographs
 from tests.helpers.browser.photographs import opencv_fx, sent_views
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.waiting import until
+from tests.helpers.browser.waiting import shown_calibration, until
 from tests.helpers.data import EXTERNAL, data_dir, external_data
 from tests.helpers.marks import thorough
 
@@ -106,7 +106,7 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     expect(page.locator("#camera")).to_have_value(series.named or "Microsoft LifeCam HD-3000")
     calibrate(page)
     assert page.locator("#pictures .taken").count() >= series.fewest
-    calibration = json.loads(page.locator("#json").text_content() or "")
+    calibration = shown_calibration(page)
     fx = calibration["camera_matrix"][0][0]
     expected, deviation = opencv_fx(Board(squares=(8, 8)), sent_views(sent), (640, 480))
     print(f"fx {fx:.2f}, OpenCV with the same corners {expected:.2f} +- {deviation:.2f}")
@@ -145,7 +145,6 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
 @external_data
 @pytest.mark.thorough
 def test_larger_photographs_count_all_too(page: Page) -> None:
-    """All 16 of 1280 x 720 px, the board recognised, and nothing more is asked for."""
     files = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))
     sent: list[Request] = []
     page.goto("/photos/")
@@ -155,7 +154,7 @@ def test_larger_photographs_count_all_too(page: Page) -> None:
     page.locator("#status", has_text="The board was found in 16 of 16 photos").wait_for()
     calibrate(page)
     assert page.locator("#pictures .taken").count() == 16
-    fx = json.loads(page.locator("#json").text_content() or "")["camera_matrix"][0][0]
+    fx = shown_calibration(page)["camera_matrix"][0][0]
     expected, deviation = opencv_fx(Board(squares=(8, 8)), sent_views(sent), (1280, 720))
     print(f"fx {fx:.2f}, OpenCV with the same corners {expected:.2f} +- {deviation:.2f}")
     assert abs(fx - expected) < deviation
@@ -163,7 +162,6 @@ def test_larger_photographs_count_all_too(page: Page) -> None:
 
 @pytest.mark.thorough
 def test_files_stay_while_the_board_changes(context: BrowserContext, series: Series) -> None:
-    """Another board than the one asked for is recognised; another can be chosen; no file is chosen twice."""
     page = context.new_page()
     page.goto("/photos/?squares=9x6")
     page.locator("#files").set_input_files([*series.photographs[:2], __file__])
@@ -189,6 +187,6 @@ def test_a_video_becomes_a_calibration(page: Page, series: Series, tmp_path: Pat
     page.locator("#files").set_input_files(film)
     page.locator("#status", has_text="video frames").wait_for()
     calibrate(page)
-    calibration = json.loads(page.locator("#json").text_content() or "")
+    calibration = shown_calibration(page)
     assert calibration["camera_matrix"][0][0] / 640 == pytest.approx(series.ratio, abs=0.03)
     assert calibration["platform"] == "video"

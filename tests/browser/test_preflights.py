@@ -55,7 +55,6 @@ def stack(request: pytest.FixtureRequest) -> Iterator[LocalStack]:
 
 @pytest.fixture(scope="module")
 def site_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The built site, as an operator puts it on another host."""
     folder = tmp_path_factory.mktemp("site")
     site.main(folder)
     return folder

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import pytest
 from playwright.sync_api import Page, Playwright, expect
 
 from tests.helpers.browser import stop_and_go
+from tests.helpers.browser.waiting import shown_calibration
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.marks import thorough
 
@@ -107,7 +107,7 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
             page.locator("#use-board").click()
         page.locator("#done:not([hidden]) #verdict").wait_for(timeout=1000 * RESULT_S)
         seconds = time.monotonic() - began
-        calibration = json.loads(page.locator("#json").text_content() or "")
+        calibration = shown_calibration(page)
         ratio = calibration["camera_matrix"][0][0] / calibration["img_size"][0]
         print(
             f"{made.file}: result after {seconds:.0f} s, fx / width {ratio:.3f}, "

@@ -20,7 +20,7 @@ from .test_rectifier import camera, decoded
 
 SIZE = (1280, 720)
 HALF = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])  # px of a picture to those of its half
-PACKINGS = (None, "beside")  # the stereo example draws two pictures, too
+PACKINGS = (None, "beside")
 MIXED = ("fisheye", "rational")
 DRAWN = page_function("draw_pair")
 

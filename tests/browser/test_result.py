@@ -16,12 +16,12 @@ from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.specimens import answer, camera, result, result_of_camera
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import until
+from tests.helpers.browser.waiting import shown_calibration, until
 from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
-FORMAT_KEY = "calibdb.format"  # of what a browser keeps
+FORMAT_KEY = "calibdb.format"
 COPIED = {"en": "Copied", "de": "Kopiert", "uk": "Скопійовано"}
 MAX_HEIGHTS = {"desk": 1800, "hand": 2800}  # px, of a result whichever tab is open
 #: formats that are saved in `make test`: tests/service/test_export.py has them all
@@ -31,7 +31,6 @@ KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_6
 
 @pytest.fixture(scope="module")
 def state(api: httpx.Client) -> dict[str, Any]:
-    """Last state of a session that made a calibration."""
     return capture(api, Truth(), KEY, seed=7)
 
 
@@ -51,7 +50,6 @@ def test_a_result_is_short_whichever_tab_is_open_and_its_card_hands_on(
         for tab in page.get_by_role("tab").all():
             tab.click()
             heights[tab.text_content()] = page.evaluate("document.documentElement.scrollHeight")
-        print(size, heights)
         assert max(heights.values()) <= most, heights
 
     def copied(button: str) -> str:
@@ -89,7 +87,6 @@ def test_a_result_with_its_report(page: Page) -> None:
     expect(page.locator(".reasons li")).to_have_count(2)
     expect(page).to_have_title("Example Camera 1280\u00a0×\u00a0720: Fair · calibDB")
     assert page.locator("#result-name").text_content() == "Example Camera 1280\u00a0×\u00a0720"
-    # One statistic, wherever the error is spoken of.
     said = "Typical error 0.23\u00a0px, at most 0.41\u00a0px"
     expect(page.locator(".card .lead")).to_contain_text(said)
     expect(page.locator("svg.heat")).to_have_attribute("aria-label", re.compile(said, re.IGNORECASE))
@@ -145,7 +142,7 @@ def test_a_stored_calibration_is_shown_saved_and_refitted_without_views(
     path = f"/calibrations/{state['calibration_id']}"
     page.goto(f"/result/?id={state['calibration_id']}")
     page.locator("#agreement", has_text=re.compile("[1-4] of 5 calibrations needed")).wait_for()
-    assert json.loads(page.locator("#json").text_content() or "")["camera"] == KEY["camera"]
+    assert shown_calibration(page)["camera"] == KEY["camera"]
     assert "/calibrate/?camera=Result+Test" in (page.locator("#confirm").get_attribute("href") or "")
     formats = [each.get_attribute("value") or "" for each in page.locator("#format option").all()]
     labels = page.locator("#format option").all_text_contents()
@@ -164,7 +161,6 @@ def test_a_stored_calibration_is_shown_saved_and_refitted_without_views(
         page.locator("#download").click()
         page.locator(".saved", has_text="Saved as").wait_for()
         said[form] = page.locator(".saved").text_content() or ""
-        print(form, said[form])
         until(page, lambda n=before: len(kept) > n)
         assert len(kept) == before + 1
         assert f"Saved as {kept[-1].suggested_filename}" in said[form]
@@ -184,7 +180,7 @@ def test_a_stored_calibration_is_shown_saved_and_refitted_without_views(
     page.locator("#view-0-out").click()
     page.locator(".trial", has_text="without view 1").wait_for()
     expect(page.locator("#view-0-out:focus")).to_have_text("Include")
-    assert json.loads(page.locator("#json").text_content() or "")["camera_matrix"] == less["camera_matrix"]
+    assert shown_calibration(page)["camera_matrix"] == less["camera_matrix"]
     rms, rms_less = (each["uncertainty"]["rms"] for each in (state["calibration"], less))
     assert rms_less > rms
     status = page.locator("#without-status").text_content() or ""
@@ -201,11 +197,10 @@ def test_a_stored_calibration_is_shown_saved_and_refitted_without_views(
     page.locator("#view-1-out", has_text="Include").wait_for()
     page.locator("#all-again").click()
     page.locator(".trial").wait_for(state="detached")
-    assert json.loads(page.locator("#json").text_content() or "")["id"] == state["calibration_id"]
+    assert shown_calibration(page)["id"] == state["calibration_id"]
 
 
 def test_a_known_camera_goes_back_to_the_application_over_https_or_on_this_machine(page: Page) -> None:
-    """Addresses that are none of these: tests/web/result_view.test.mjs."""
     six = {
         "calibrations": 6,
         "contributors": 4,

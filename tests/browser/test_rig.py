@@ -21,23 +21,20 @@ from ..conftest import THOROUGH
 
 RIG = "/rig/?virtual=1&rate=5&img_size=320x240&error=0.5"
 TRUE_POSE = "async (position) => (await import('/rig/scene.js')).cameraPose(position)"
-MAX_SIGMAS = 5.0  # of the six parameters of a pose
-MAX_SHIFT = 0.02  # of the distance
+MAX_SIGMAS = 5.0
+MAX_SHIFT = 0.02
 
 
 def rig_id(page: Page) -> str:
-    """Id of the rig, from the page's address."""
     found: str = page.evaluate("new URLSearchParams(location.search).get('id')")
     return found
 
 
 def moments(page: Page) -> int:
-    """Moments that the page lists."""
     return page.locator("#moment-list li").count()
 
 
 def expect_true_pose(page: Page, result: dict[str, Any]) -> None:
-    """Compare the second camera's pose with that of the simulated one."""
     true = page.evaluate(TRUE_POSE, 1)
     found = result["extrinsics"][1]
     error = np.abs(np.subtract(found["rvec"] + found["tvec"], true["rvec"] + true["tvec"]))
@@ -46,7 +43,6 @@ def expect_true_pose(page: Page, result: dict[str, Any]) -> None:
 
 
 def saved(page: Page, name: str) -> str:
-    """Content of a file that the result offers."""
     with page.expect_download() as download:
         page.locator(f"#file-{name}").click()
     return Path(download.value.path()).read_text()
@@ -62,7 +58,7 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     assert np.allclose(shapes, 320 / 240, atol=0.02)
     page.evaluate(HIDE, True)  # so that it is not over before it is looked at
     picture(page, "rig-during", ["desk"])
-    if THOROUGH:  # another moment takes three seconds
+    if THOROUGH:
         before = moments(page)
         page.locator("#moment-list button").last.click()
         expect(page.locator("#moment-list li")).to_have_count(before - 1)
@@ -78,7 +74,6 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     file = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     np.testing.assert_allclose(file.getNode("T").mat().ravel(), result["extrinsics"][1]["tvec"], atol=1e-6)
     assert json.loads(saved(page, "gltf"))["cameras"]
-    # Each camera is an ordinary calibration, of its own half of the stream.
     labels = [api.get(f"/calibrations/{each}").json()["camera"] for each in result["cameras"]]
     assert [label.rsplit(" ", 1)[1] for label in labels] == ["left", "right"]
     expect(page.locator(".epipolar canvas")).to_have_count(2)
@@ -118,7 +113,6 @@ def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
         follower.goto(f"{RIG}&position=1&code={code.lower()}")
         follower.locator("#moment-list li", has_text="cameras 1 and 2").first.wait_for()
 
-        # Its network goes while it delivers a view: the view waits on this device.
         lost: list[Any] = []
 
         def lose(route: Route) -> None:

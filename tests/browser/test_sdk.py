@@ -74,7 +74,6 @@ def test_a_worker_asks_with_what_it_was_told(page: Page) -> None:
 
 @pytest.fixture(scope="module")
 def measured(api: httpx.Client) -> dict[str, Any]:
-    """A stored calibration of the camera."""
     return capture(api, SMALL, KEY, seed=11)
 
 

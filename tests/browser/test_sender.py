@@ -39,7 +39,7 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
     picture(page, "capture-sender", ["hand"])
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.getElementById('start').getBoundingClientRect().bottom") < 780
-    with page.expect_download() as paper:  # of a visitor from the United States
+    with page.expect_download() as paper:
         page.locator("#paper").click()
     assert paper.value.suggested_filename == "calibdb-board-letter.pdf"
 

@@ -17,7 +17,6 @@ DRAWN = ["drawn"] if EXTERNAL is None else thorough("drawn")
 
 @pytest.fixture(params=[*DRAWN, pytest.param("real", marks=external_data)])
 def photograph(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    """A photograph of 1280 x 720 px: drawn, or that of a real camera."""
     if request.param == "real":
         return sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))[0]
     path = tmp_path / "photograph.jpg"

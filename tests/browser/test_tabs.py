@@ -8,7 +8,7 @@ from playwright.sync_api import BrowserContext, Route, expect
 from tests.helpers.browser.interruptions import ENDLESS, sessions, views, wait_for_views
 from tests.helpers.browser.scripts import PLAIN
 
-BUSY_S = 2.0  # longer than another tab would be waited for
+BUSY_S = 2.0
 # Of a tab that is busy while a request is answered, or not at all.
 ACQUIRE = """async (isBusy) => {
   const held = window.held = new AbortController();

@@ -30,13 +30,11 @@ WIDTHS = page_function("heading_widths")
 
 
 def hold(page: Page, held: list[Route]) -> None:
-    """Collect the requests for the font instead of answering them."""
     page.route(re.compile("geologica-latin"), lambda route: held.append(route))
 
 
 @pytest.mark.parametrize("size", [(390, 844), *thorough(((1440, 900),))], ids=["phone", "laptop"])
 def test_first_visits_show_the_typeface_without_a_shift(visitor: Visitor, size: tuple[int, int]) -> None:
-    """The font arrives after everything else: text is shown in the stand-in first."""
     for path in PATHS if THOROUGH else PATHS[:1]:
         page = visitor(viewport={"width": size[0], "height": size[1]}, locale="en").new_page()
         page.add_init_script(SHIFTS + BLIND_DETECTOR)
@@ -55,5 +53,4 @@ def test_first_visits_show_the_typeface_without_a_shift(visitor: Visitor, size: 
         shown, expected, other = page.evaluate(WIDTHS)
         assert shown == pytest.approx(expected, abs=0.05), path
         assert abs(other - expected) > 1, path
-        print(f"{path} at {size[0]} px: layout shift {shift:.4f}")
         assert shift < MAX_SHIFT, (path, sources)

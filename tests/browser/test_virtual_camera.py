@@ -15,7 +15,7 @@ from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
 from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.truth import SMALL, Truth
-from tests.helpers.browser.waiting import address
+from tests.helpers.browser.waiting import address, shown_calibration
 from tests.helpers.marks import thorough
 from tests.helpers.solver.synthetic import projection_error
 
@@ -46,7 +46,6 @@ LOOKUP = """async (key) =>
 
 
 def expect_known_after_five(page: Page, api: httpx.Client, first: dict[str, Any], truth: Truth) -> None:
-    """Capture with a page's key until its camera is known, and look it up with the SDK."""
     key = {name: first[name] for name in ("camera", "platform", "img_size", "zoom")}
     for seed in range(4):
         capture(api, truth, key, seed)
@@ -112,7 +111,7 @@ def test_who_trembles_who_is_slow_and_who_goes_the_wrong_way_finishes_too(contex
         page.bring_to_front()
         page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
         assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
-        found = Camera.from_record(json.loads(page.locator("#json").text_content() or ""))
+        found = Camera.from_record(shown_calibration(page))
         errors = projection_error(SMALL.camera, found)
         print(
             f"{hand}: {page.locator('#counts').text_content()}, projection error mean {errors.mean():.3f} px"

@@ -17,7 +17,6 @@ COEFFICIENTS = [-0.25, 0.0625, 0, 0, 0]
 
 
 def held(name: str) -> str:
-    """Function that holds one of the sessions."""
     return script(f"{SESSIONS} return sessions.{name}();", label=LABEL)
 
 
@@ -26,7 +25,6 @@ def check_nothing(said: dict[str, Any]) -> None:
 
 
 def check_answered(said: dict[str, Any], answer: dict[str, Any]) -> None:
-    """A view says what the service does, in single precision and column by column."""
     matrix = np.array(answer["camera_matrix"]).T.ravel().astype(np.float32)
     coefficients = np.array(answer["distortion_coefficients"]).astype(np.float32)
     assert (said["matrix"], said["coefficients"]) == (matrix.tolist(), coefficients.tolist())
@@ -63,13 +61,11 @@ def check_immersive(seen: dict[str, Any]) -> None:
 
 @pytest.fixture
 def asking(context: BrowserContext) -> Page:
-    """A page that may complain: an unknown camera is a 404."""
     return context.new_page()
 
 
 @pytest.fixture
 def known(asking: Page) -> dict[str, Any]:
-    """Give the calibration of the one camera and size that are known."""
     known = known_camera(asking)
 
     def refuse_others(route: Route) -> None:

@@ -36,14 +36,12 @@ def sample(containing: str) -> str:
 
 @pytest.fixture
 def known(page: Page) -> dict[str, Any]:
-    """Give the calibration of the camera that the page opens."""
     page.add_init_script(CAMERA)
     return known_camera(page)
 
 
 @pytest.fixture
 def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
-    """Address of a page of another origin, which is the explainer's."""
     page = PAGE.replace(SERVICE, stack).replace("<video", '<link rel="icon" href="data:,"><video')
     (tmp_path / "index.html").write_text(page)
     with serving(tmp_path) as address:

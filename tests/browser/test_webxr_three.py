@@ -9,12 +9,13 @@ import pytest
 from playwright.sync_api import Page, Route, ViewportSize
 
 from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.pictures import shot
 from tests.helpers.browser.scripts import FOLDER, PLAIN
 from tests.helpers.browser.truth import SMALL, Truth
 from tests.helpers.browser.waiting import until
 from tests.helpers.browser.webxr import LABEL, known_camera, script
 
-from .conftest import OUTPUT, ROOT
+from .conftest import ROOT
 
 Array = npt.NDArray[np.float64]
 
@@ -25,7 +26,7 @@ APPLICATION = (FOLDER / "webxr_three.js").read_text()
 #: camera frame, x right, y down, z forward; the second is near a corner of the picture
 POINTS = np.array([[0.0, 0.0, 4.0], [-2.2, 0.85, 4.0], [1.2, -0.6, 3.0]])
 WIDE, SMALLER = (1440, 900), (960, 600)
-BLUE, GREEN, RED = range(3)  # as OpenCV reads pictures
+BLUE, GREEN, RED = range(3)
 
 
 def serve(route: Route) -> None:
@@ -60,14 +61,13 @@ def shown(page: Page, marks: Array, window: tuple[int, int], *, rectify: bool) -
     page.evaluate(script(f"{APPLICATION} await run();", **constants))
 
     def seen() -> tuple[Array, Array] | None:
-        taken = page.screenshot(path=OUTPUT / f"webxr_three_{rectify}.png")
-        picture = np.asarray(cv2.imdecode(np.frombuffer(taken, np.uint8), cv2.IMREAD_COLOR), dtype=np.uint8)
+        picture = shot(page)
         green, red = middles(picture, GREEN), middles(picture, RED)
         return (green, red) if len(green) == len(red) == len(POINTS) else None
 
     found = until(page, seen)  # camera and scene have rates of their own
     assert found is not None
-    page.locator("svg:visible").last.click()  # the application's own cross
+    page.locator("svg:visible").last.click()
     page.evaluate("over")
     assert page.locator("video").evaluate("(video) => video.parentNode === document.body")
     return found
@@ -83,7 +83,6 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
     bent = np.linalg.norm(seen - (POINTS @ matrix.T)[:, :2] / POINTS[:, 2:], axis=1)
     marks, balls = shown(page, seen, SMALLER, rectify=True)
     off = np.linalg.norm(marks - balls, axis=1)
-    print(f"distortion moves the points by {bent.round(1)} px; {off.round(3)} px off")
     assert bent.max() > 30 * SMALL.size[0] / Truth.size[0]
     assert off.max() < SMALLER[0] / WIDE[0], "a pixel of the wide window"
 

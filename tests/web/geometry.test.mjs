@@ -8,14 +8,7 @@ import { TABLES } from "../../web/vendor/dictionaries.js";
 import { blackRectangles, raster } from "../../web/lib/board-drawing.js";
 import { say } from "../../web/lib/i18n.js";
 import "./messages.mjs";
-import {
-  DEFAULT_BOARD,
-  DICTIONARIES,
-  boardFrom,
-  corners,
-  dictionaryOf,
-  markers,
-} from "../../web/lib/board.js";
+import { DEFAULT_BOARD, DICTIONARIES, boardFrom, corners, dictionaryOf, markers } from "../../web/lib/board.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 
