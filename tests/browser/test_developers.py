@@ -3,7 +3,6 @@
 import json
 import re
 import subprocess
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -41,51 +40,42 @@ def known(api: httpx.Client) -> dict[str, Any]:
     return calibrated(api, Truth(), KEY)
 
 
-@dataclass
-class Developer:
-    """Somebody who has never been here, and what they do."""
-
-    page: Page
-    done: list[str] = field(default_factory=list)
-
-    def act(self, what: str) -> None:
-        self.done.append(what)
-
-    def click(self, selector: str) -> None:
-        self.act(f"click {selector}")
-        self.page.locator(selector).first.click()
-
-
 @pytest.fixture
-def developer(context: BrowserContext, stack: str) -> Developer:
+def developer(context: BrowserContext, stack: str) -> Page:
+    """Page of a browser with an empty profile and a camera."""
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
     page = context.new_page()
     page.add_init_script(CAMERA + BLIND_DETECTOR)
-    return Developer(page)
+    return page
 
 
 def test_from_the_landing_page_to_a_lookup_on_another_origin(
-    developer: Developer, stack: str, known: dict[str, Any], tmp_path: Path
+    developer: Page, stack: str, known: dict[str, Any], tmp_path: Path
 ) -> None:
-    page = developer.page
-    developer.act("open the landing page")
+    page = developer
+    done = ["open the landing page"]
+
+    def click(selector: str) -> None:
+        done.append(f"click {selector}")
+        page.locator(selector).first.click()
+
     page.goto(stack)
-    developer.click('a[href$="developers/"]')
-    developer.click("#make-button")
+    click('a[href$="developers/"]')
+    click("#make-button")
     expect(page.locator("#token-heading")).to_be_focused()
     with passing(page, "#copy-snippet", "Copied ✓"):
-        developer.click("#copy-snippet")
+        click("#copy-snippet")
     copied = page.evaluate("navigator.clipboard.readText()")
     (made,) = page.evaluate("JSON.parse(localStorage['calibdb.tokens'])")
-    developer.act("save the code as index.html")
+    done.append("save the code as index.html")
     (tmp_path / "index.html").write_text(copied.replace("<title>", '<link rel="icon" href="data:,"><title>'))
     with serving(tmp_path) as address:
         own = address.replace("127.0.0.1", "localhost").rstrip("/")
-        developer.act("open it from a server of one's own")
+        done.append("open it from a server of one's own")
         page.goto(own)
-        developer.act("allow the camera")
+        done.append("allow the camera")
         expect(page.locator("#answer")).to_contain_text('"camera_matrix"')
-        assert len(developer.done) <= MAX_ACTIONS, developer.done
+        assert len(done) <= MAX_ACTIONS, done
         found = json.loads(page.locator("#answer").text_content() or "")
         assert found["camera_matrix"] == known["camera_matrix"]
         assert found["reliable"]

@@ -6,13 +6,12 @@ from urllib.parse import urljoin
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request, Route, expect
+from playwright.sync_api import Page, Request, Route, expect
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
     HIDE_WITH_TARGET,
-    VIRTUAL,
     done,
     sessions,
     views,
@@ -172,20 +171,3 @@ def expect_to_continue_without_a_view(page: Page, api: httpx.Client) -> None:
     until(page, lambda: begun)
     page.locator("#controls:not([hidden])").wait_for()
     assert "/calibrate/?" in address(page)
-
-
-@pytest.mark.thorough
-def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
-    page = context.new_page()
-    problem = '{"title": "Forbidden", "status": 403, "detail": "The API token is not valid."}'
-    page.route(
-        "**/v1/auth",
-        lambda route: route.fulfill(status=403, body=problem, content_type="application/problem+json"),
-    )
-    page.goto(VIRTUAL)
-    page.locator("#failed:not([hidden])").wait_for()
-    expect(page.locator("#failure")).to_contain_text("calibDB does not accept this page's token")
-    picture(page, "capture-failed", ["hand"])
-    page.unroute("**/v1/auth")
-    page.locator("#again").click()
-    page.locator("#controls:not([hidden])").wait_for()

@@ -142,24 +142,6 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
         }  # fmt: skip
 
 
-@external_data
-@pytest.mark.thorough
-def test_larger_photographs_count_all_too(page: Page) -> None:
-    files = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))
-    sent: list[Request] = []
-    page.goto("/photos/")
-    page.on("request", lambda request: sent.append(request))
-    page.locator("#files").set_input_files(files)
-    page.locator("#use-board").click()
-    page.locator("#status", has_text="The board was found in 16 of 16 photos").wait_for()
-    calibrate(page)
-    assert page.locator("#pictures .taken").count() == 16
-    fx = shown_calibration(page)["camera_matrix"][0][0]
-    expected, deviation = opencv_fx(Board(squares=(8, 8)), sent_views(sent), (1280, 720))
-    print(f"fx {fx:.2f}, OpenCV with the same corners {expected:.2f} +- {deviation:.2f}")
-    assert abs(fx - expected) < deviation
-
-
 @pytest.mark.thorough
 def test_files_stay_while_the_board_changes(context: BrowserContext, series: Series) -> None:
     page = context.new_page()

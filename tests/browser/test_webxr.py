@@ -81,19 +81,6 @@ def known(asking: Page) -> dict[str, Any]:
     return known
 
 
-def test_the_browsers_own_inline_session(asking: Page, known: dict[str, Any]) -> None:
-    asking.goto(PLAIN)
-    seen = asking.evaluate(held("native"))
-    assert seen["native"] is True
-    for nothing in seen["nothing"]:
-        check_nothing(nothing)
-        assert nothing["views"] == 1
-    assert seen["refused"] == "TypeError"
-    check_answered(seen["first"], known)
-    fisheye = {"distortion_model": "fisheye", "distortion_coefficients": [0.01, 0, 0, 0]}
-    check_answered(seen["second"], known | fisheye)
-
-
 def test_augmented_reality_on_a_webcam(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
     page.goto(PLAIN)

@@ -8,7 +8,6 @@ import numpy.typing as npt
 import pytest
 from playwright.sync_api import Page, Route, ViewportSize
 
-from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.pictures import shot
 from tests.helpers.browser.scripts import FOLDER, PLAIN
 from tests.helpers.browser.truth import SMALL, Truth
@@ -85,11 +84,3 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
     off = np.linalg.norm(marks - balls, axis=1)
     assert bent.max() > 30 * SMALL.size[0] / Truth.size[0]
     assert off.max() < SMALLER[0] / WIDE[0], "a pixel of the wide window"
-
-
-@pytest.mark.thorough
-def test_its_manager_runs_in_firefox_too(stack: str, in_firefox: InFirefox) -> None:
-    seen = in_firefox(f"{stack}{PLAIN}", script(f"{APPLICATION} return managed();"))
-    assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")
-    assert seen["three"] == pytest.approx(seen["p"], abs=1e-6)
-    assert (seen["eyes"], seen["drawn"], seen["presenting"]) == (1, 12, False)

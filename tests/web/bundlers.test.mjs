@@ -95,14 +95,6 @@ test("it installs into an empty project, with types", () => {
   const { dependencies } = JSON.parse(readFileSync(join(folder, "node_modules/calibdb/package.json"), "utf8"));
   assert.equal(dependencies, undefined);
   assert.ok(existsSync(join(folder, "node_modules/calibdb/LICENSE")));
-  writeFileSync(
-    join(folder, "use.mjs"),
-    `import { lookup, projectionMatrix } from "calibdb"; import { lensOf } from "calibdb/projection";
-    import { Bundle } from "calibdb/bundle"; import { Rig } from "calibdb/rig";
-    import { applyCalibration } from "calibdb/adapters/three";
-    console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof Rig, typeof applyCalibration);`,
-  );
-  assert.equal(run("node", "use.mjs").trim(), "function function function function function");
   const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
     const key = { camera: "x", platform: "y", img_size: [640, 480] as [number, number], zoom: 0 };
     const { calibration } = await lookup(key, { token: "t", model: ${model} });

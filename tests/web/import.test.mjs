@@ -168,15 +168,11 @@ test("without corners it is a first guess, and its camera is found where it is J
     [0, 0, 1],
   ];
   assert.deepEqual(read(photonVision([])), { kind: "guess", matrix, packed: false });
-  assert.deepEqual(read(JSON.stringify({ camera_matrix: matrix })).matrix, matrix);
-  assert.deepEqual(read(JSON.stringify({ camera_matrix: { rows: 3, cols: 3, data: matrix.flat() } })).matrix, matrix);
-  assert.deepEqual(read(JSON.stringify({ fisheye_params: { camera_matrix: matrix } })).matrix, matrix);
   assert.deepEqual(read("%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n   rows: 3\n"), {
     kind: "guess",
     matrix: null,
     packed: false,
   });
-  assert.deepEqual(read("image_width: 640\ncamera_matrix:\n  rows: 3\n").kind, "guess");
   assert.equal(
     read("# a camera\n{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n    'optimization_inputs': b'abc',\n}\n").packed,
     true,

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { parseHTML } from "linkedom";
 import "./messages.mjs";
 import { setGlobals } from "./globals.mjs";
 import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
@@ -7,25 +8,7 @@ import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
 import { distortionPlot, errorPlot, profilePlot } from "../../web/lib/result/plots.js";
 
-/** As much of a document as plots are made with. */
-class FakeElement {
-  constructor(name) {
-    Object.assign(this, { name, attributes: {}, children: [] });
-  }
-  setAttribute(name, value) {
-    this.attributes[name] = value;
-  }
-  append(...children) {
-    this.children.push(...children);
-  }
-  /** Of this name, at any depth. */
-  all(name) {
-    return this.children
-      .filter((child) => child instanceof FakeElement)
-      .flatMap((child) => [...(child.name === name ? [child] : []), ...child.all(name)]);
-  }
-}
-const document = { createElementNS: (_, name) => new FakeElement(name) };
+const { document } = parseHTML("<!doctype html>");
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) => ({
@@ -65,9 +48,10 @@ test("the profile of a lens is its radial polynomial, and is dashed beyond the c
   }
   const view = { index: 0, reason: null, points: [[639.5 + 300, 359.5]], residuals: [[0, 0]], cut: [] };
   const curves = (report) =>
-    profilePlot(lens, report)
-      .svg.all("path")
-      .map(({ attributes }) => attributes);
+    [...profilePlot(lens, report).svg.querySelectorAll("path")].map((path) => ({
+      d: path.getAttribute("d"),
+      class: path.getAttribute("class"),
+    }));
   const [, inside, beyond] = curves({ views: [view] });
   const end = (d) => Number(d.slice(d.lastIndexOf("L") + 1).split(" ")[0]);
   assert.ok(Math.abs(end(inside.d) - (438 * 300) / Math.hypot(640, 360)) < 8, inside.d);
@@ -96,32 +80,30 @@ test("the error map's bands hold the places that have their values, and numbers 
   );
   const lens = { ...calibration(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
   const { svg, levels } = errorPlot(lens, { error_map: { grid: [columns, rows], px }, views: [] });
-  const [area] = svg.all("svg");
-  assert.match(svg.attributes["aria-label"], /0\.26\spx.*0\.40\spx/);
-  const [left, top, width] = area.attributes.viewBox.split(" ").map(Number);
+  const area = svg.querySelector("svg");
+  assert.match(svg.getAttribute("aria-label"), /0\.26\spx.*0\.40\spx/);
+  const [left, top, width] = area.getAttribute("viewBox").split(" ").map(Number);
   const unit = width / SIZE[0]; // plot units a pixel
-  const numbers = area.all("text");
+  const numbers = [...area.querySelectorAll("text")];
   assert.ok(numbers.length === 1 || numbers.length === 2, "anywhere else a number would contradict the band below it");
-  for (const { attributes, children } of numbers) {
-    const place = [attributes.x, attributes.y].map((at, axis) => (at - [left, top][axis]) / unit - 0.5);
+  for (const number of numbers) {
+    const place = ["x", "y"].map((name, axis) => (number.getAttribute(name) - [left, top][axis]) / unit - 0.5);
     const value = valueAt(px, SIZE, place);
-    assert.ok(Math.abs(value - Number(children[0])) < 0.005, `${children[0]} stands at ${value}`);
-    assert.ok(levels.some((level) => Math.abs(level - Number(children[0])) < 0.005));
+    assert.ok(Math.abs(value - Number(number.textContent)) < 0.005, `${number.textContent} stands at ${value}`);
+    assert.ok(levels.some((level) => Math.abs(level - Number(number.textContent)) < 0.005));
   }
-  const bands = area
-    .all("path")
-    .filter(({ attributes }) => attributes.class.startsWith("heat-"))
-    .map(({ attributes }) =>
-      attributes.d
-        .split("Z")
-        .filter(Boolean)
-        .map((part) =>
-          part
-            .slice(1)
-            .split("L")
-            .map((pair) => pair.split(" ").map(Number)),
-        ),
-    );
+  const bands = [...area.querySelectorAll("path[class^='heat-']")].map((path) =>
+    path
+      .getAttribute("d")
+      .split("Z")
+      .filter(Boolean)
+      .map((part) =>
+        part
+          .slice(1)
+          .split("L")
+          .map((pair) => pair.split(" ").map(Number)),
+      ),
+  );
   assert.equal(bands.length, 8);
   const inside = (polygon, [u, v]) =>
     polygon.reduce((crossings, [x, y], index) => {
