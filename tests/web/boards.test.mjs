@@ -16,9 +16,7 @@ import { PRESETS } from "../../web/lib/board-form.js";
 import { recognise } from "../../web/lib/board-recognition.js";
 import { findChessboard, recogniseChessboard, shrunk } from "../../web/lib/chessboard.js";
 import { apply } from "../../web/lib/homography.js";
-import { Painter } from "../../web/lib/virtual/painter.js";
-import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transformPoint } from "../../web/lib/pose.js";
+import { cornersSeen, photograph } from "./scenes.mjs";
 import { fitGrid } from "../../web/lib/marker-grid.js";
 import { cameraOfNames } from "../../web/photos/files.js";
 
@@ -171,20 +169,10 @@ test("pictures of parts of a board tell it together, and markers that are none d
 const CHESSBOARD = { ...DEFAULT_BOARD, kind: "chessboard", squares: [10, 7] };
 const LENS = { fx: 600, fy: 600, cx: 320, cy: 240, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 
-/** A picture of the chessboard by a pinhole, and where its corners truly are. */
-function chessboard(pose) {
-  const [width, height] = [640, 480];
-  const rgba = new Uint8ClampedArray(4 * width * height);
-  new Painter(CHESSBOARD, LENS, [width, height]).paint(pose, rgba);
-  const data = Uint8Array.from({ length: width * height }, (_, pixel) => rgba[4 * pixel]);
-  const { project } = projectionOf(LENS);
-  const truth = corners(CHESSBOARD).map(([x, y]) => project(transformPoint(pose, [x, y, 0])));
-  return { picture: { width, height, data }, truth };
-}
-
 test("a chessboard is found whole, its corners to a twentieth of a pixel rms, from the black square on", () => {
   const pose = { rvec: [-0.3, 0.2, 0.13], tvec: [-4.7, -3.5, 13.5] };
-  const { picture, truth } = chessboard(pose);
+  const picture = photograph(CHESSBOARD, LENS, [640, 480], pose);
+  const { points: truth } = cornersSeen(CHESSBOARD, LENS, pose);
   const { ids, points } = findChessboard(picture, [10, 7]);
   assert.equal(ids.length, 54);
   const errors = ids.map((id, n) => Math.hypot(points[n][0] - truth[id][0], points[n][1] - truth[id][1]));
@@ -195,7 +183,7 @@ test("a chessboard is found whole, its corners to a twentieth of a pixel rms, fr
   assert.equal(findChessboard(picture, [10, 7], { full: false }).ids.length, 54);
   const seenBoard = recogniseChessboard(picture);
   assert.deepEqual([seenBoard.squares, seenBoard.isPlain], [[10, 7], true]);
-  const cut = chessboard({ ...pose, tvec: [0, -3.5, 13.5] }).picture;
+  const cut = photograph(CHESSBOARD, LENS, [640, 480], { ...pose, tvec: [0, -3.5, 13.5] });
   assert.equal(findChessboard(cut, [10, 7]).ids.length, 0);
   assert.equal(recogniseChessboard({ width: 200, height: 150, data: new Uint8Array(30000).fill(99) }), null);
 });

@@ -2,10 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, OfflineError } from "../../web/lib/api.js";
 import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
-import { composePoses, invertPose, transformPoint } from "../../web/lib/pose.js";
+import { composePoses, invertPose } from "../../web/lib/pose.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
 import { MOVING } from "../../web/lib/capture/stillness.js";
-import { intrinsicsOf, projectionOf } from "../../web/lib/virtual/lens.js";
+import { intrinsicsOf } from "../../web/lib/virtual/lens.js";
 import { RigLink } from "../../web/rig/link.js";
 import { JoinError, enter } from "../../web/rig/membership.js";
 import { answer, isReady, remoteHold, requiredHold } from "../../web/rig/moments.js";
@@ -14,6 +14,7 @@ import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
 import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
+import { cornersSeen, see } from "./scenes.mjs";
 import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
@@ -218,7 +219,7 @@ test("the simulated board is the same one in every browser, and covers the targe
   const { lens, size } = setupAt(parameters, 0);
   const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
   const places = boardCorners(DEFAULT_BOARD);
-  const corners = places.map((place) => projectionOf(lens).project(transformPoint(pose, [...place, 0])));
+  const corners = see(lens, pose, places);
   const target = {
     position: 0,
     ...pose,
@@ -228,10 +229,7 @@ test("the simulated board is the same one in every browser, and covers the targe
     outline: [],
   };
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
-  const off = places.map((place, id) => {
-    const [u, v] = projectionOf(lens).project(transformPoint(found, [...place, 0]));
-    return Math.hypot(u - corners[id][0], v - corners[id][1]);
-  });
+  const off = see(lens, found, places).map(([u, v], id) => Math.hypot(u - corners[id][0], v - corners[id][1]));
   assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
   const clumsy = new URLSearchParams("error=1");
   assert.deepEqual(boardPose([target], DEFAULT_BOARD, clumsy), boardPose([target], DEFAULT_BOARD, clumsy));
@@ -249,16 +247,8 @@ test("a board seen by any camera of the rig is found where it is", () => {
   const lenses = [0, 1].map((position) => setupAt(new URLSearchParams(), position));
   const calibrations = lenses.map(({ lens, size }) => ({ ...intrinsicsOf(lens), img_size: size }));
   const there = composePoses(cameraPose(1), board);
-  const points = boardCorners(DEFAULT_BOARD).map((place) =>
-    projectionOf(lenses[1].lens).project(transformPoint(there, [...place, 0])),
-  );
-  const found = boardInRig(
-    { calibrations, extrinsics },
-    1,
-    { ids: points.map((_, id) => id), points },
-    DEFAULT_BOARD,
-    1,
-  );
+  const seen = cornersSeen(DEFAULT_BOARD, lenses[1].lens, there);
+  const found = boardInRig({ calibrations, extrinsics }, 1, seen, DEFAULT_BOARD, 1);
   for (const name of ["rvec", "tvec"])
     found[name].forEach((value, axis) => assert.ok(Math.abs(value - board[name][axis]) < 1e-3));
   const { distance, distanceStd, angle } = relationOf(extrinsics[1]);

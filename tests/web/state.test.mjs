@@ -8,12 +8,11 @@ import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/lib/capture/sight.js";
 import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../../web/lib/capture/target.js";
-import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transformPoint } from "../../web/lib/pose.js";
+import { cornersSeen, see } from "./scenes.mjs";
 import { observedOutline } from "../../web/lib/board-outline.js";
 import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrate/plan.js";
 
-const PINHOLE = projectionOf({ fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 });
+const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
 const SESSION = {
   status: "capturing",
@@ -27,22 +26,18 @@ const THERE = { rvec: [0.4, -0.5, 0.1], tvec: [-4, -3, 12] };
 const ELSEWHERE = { rvec: [0.4, 0.6, 0], tvec: [-12, -6, 20] };
 const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
 
-const see = (pose, points) => points.map(([x, y]) => PINHOLE.project(transformPoint(pose, [x, y, 0])));
 const target = (pose, index = 0) => ({
   index,
   rvec: pose.rvec,
   tvec: pose.tvec,
   ids: corners(DEFAULT_BOARD).map((_, id) => id),
-  corners: see(pose, corners(DEFAULT_BOARD)),
-  outline: see(pose, outline(DEFAULT_BOARD)),
+  corners: see(PINHOLE, pose, corners(DEFAULT_BOARD)),
+  outline: see(PINHOLE, pose, outline(DEFAULT_BOARD)),
   purpose: "focal length",
   hint: "Tilt the board",
 });
-const frame = (pose) => {
-  const points = see(pose, corners(DEFAULT_BOARD));
-  return { ids: points.map((_, id) => id), points, markers: 27, size: [1280, 720], elapsed: 1, memory: 1 };
-};
 const NOTHING = { ids: [], points: [], markers: 0, size: [1280, 720], elapsed: 1, memory: 1 };
+const frame = (pose) => ({ ...NOTHING, ...cornersSeen(DEFAULT_BOARD, PINHOLE, pose), markers: 27 });
 
 /** Capturing, with a target, and so many frames at 20 a second of one thing. */
 function capturing(events = []) {
