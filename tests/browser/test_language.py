@@ -5,6 +5,7 @@ import re
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import no_network, unreadable
 from tests.helpers.browser.waiting import at_rest, until
 from tests.helpers.marks import thorough
@@ -81,6 +82,15 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
         page.locator("[role=status]", has_text="erkennt diese Seite nicht an").wait_for()
         expect(page.locator("main")).not_to_contain_text(REFUSED["detail"])
         page.unroute("**/v1/**")
+
+
+def test_what_is_not_there_is_said_in_the_language_of_the_page(context: BrowserContext) -> None:
+    page = context.new_page()
+    for path in PATHS[1:] if THOROUGH else PATHS[1:2]:
+        page.goto(f"/de{path}")
+        page.locator("#waiting p", has_text="gibt es").wait_for()
+        expect(page.locator("#waiting .actions a:visible")).to_have_count(2)
+    picture(page, "missing", ["hand"])
 
 
 @pytest.mark.parametrize(

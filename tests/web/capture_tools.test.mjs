@@ -103,25 +103,6 @@ test("green and magenta become the target's colour, the one more of it than the 
   assert.deepEqual([...data], [255, 176, 0, 255, 184, 153, 102, 255, 0, 0, 0, 255]);
 });
 
-test("only the latest run's result counts", async () => {
-  const finish = [];
-  const signals = [];
-  const run = latest(
-    (signal, value) =>
-      new Promise((resolve) => {
-        signals.push(signal);
-        finish.push(() => resolve(value));
-      }),
-  );
-  const [first, second] = [run("first"), run("second")];
-  assert.deepEqual(
-    signals.map(({ aborted }) => aborted),
-    [true, false],
-  );
-  for (const each of finish) each();
-  assert.deepEqual([await first, await second], [undefined, "second"]);
-});
-
 test("a stale run's error is dropped, the latest one's is not", async () => {
   const run = latest(async (signal, wait) => {
     await wait;

@@ -55,11 +55,6 @@ const cases = [
   ["the default board", DEFAULT_BOARD, 120],
   ["a legacy board with an even number of rows", { ...DEFAULT_BOARD, legacy: true }, 120],
   ["a legacy board with an odd number of rows", { ...DEFAULT_BOARD, squares: [6, 7], legacy: true }, 120],
-  [
-    "the board of the photographs",
-    { squares: [8, 8], marker_ratio: 0.75, dictionary: "DICT_4X4_1000", legacy: false },
-    80,
-  ],
   ["5x5 bits", { squares: [5, 7], marker_ratio: 0.7, dictionary: "DICT_5X5_100", legacy: false }, 100],
   ["6x6 bits", { squares: [7, 5], marker_ratio: 0.8, dictionary: "DICT_6X6_250", legacy: false }, 100],
   ["7x7 bits", { squares: [11, 8], marker_ratio: 0.6, dictionary: "DICT_7X7_1000", legacy: true }, 90],

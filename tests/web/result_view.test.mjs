@@ -8,7 +8,6 @@ import {
   digitsFor,
   digitsOf,
   fieldOfView,
-  fileName,
   intrinsics,
   levelOf,
 } from "../../web/lib/result/numbers.js";
@@ -161,12 +160,6 @@ test("the convex hull is hatched around, not inside", () => {
 
 test("axes are numbered roundly", () => {
   assert.deepEqual(ticks(1280, 5), [0, 400, 800, 1200]);
-  assert.deepEqual(ticks(640, 4), [0, 200, 400, 600]);
-});
-
-test("files are named after the camera", () => {
-  assert.equal(fileName(calibration), "example-camera-1234-5678-1280x720.json");
-  assert.equal(fileName({ ...calibration, camera: "…" }, "yaml"), "camera-1280x720.yaml");
 });
 
 test("results go back over HTTPS, to the visitor's own machine, and to origins that the operator allows", () => {

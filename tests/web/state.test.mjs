@@ -309,10 +309,6 @@ test("who comes nearer, slowly, keeps the target", () => {
   );
   assert.equal(decide(slow, 16_001), null);
   assert.equal(decide(slow, slow.capture.nearest.time + 15_001), "skip");
-  assert.equal(
-    decide({ ...slow, capture: { ...slow.capture, nearest: { ...slow.capture.nearest, time: 45_000 } } }, 45_001),
-    "skip",
-  );
 });
 
 test("without the service, views are kept and counted, and the target is the page's own", () => {

@@ -219,17 +219,6 @@ test("two sessions have a model each, and one that has ended is no longer asked 
   assert.deepEqual(look(global, session)[2], "rectilinear");
 });
 
-test("a camera that is no longer known is no longer said", async () => {
-  const { global, session, calls, again } = running();
-  look(global, session);
-  calls[0].resolve(PLAIN);
-  await settled();
-  const asked = again();
-  calls[1].resolve(null);
-  await asked;
-  assert.deepEqual(look(global, session), NOTHING);
-});
-
 test("without a pose nothing is asked for", () => {
   const { global, session, calls } = running();
   session.tracked = false;
