@@ -19,11 +19,12 @@ WIDTHS = page_function("heading_widths")
 
 @pytest.mark.parametrize("size", [(390, 844), *thorough(((1440, 900),))], ids=["phone", "laptop"])
 def test_first_visits_show_the_typeface_without_a_shift(visitor: Visitor, size: tuple[int, int]) -> None:
+    held: list[Route] = []
     for path in PATHS if THOROUGH else PATHS[:1]:
         page = visitor(viewport={"width": size[0], "height": size[1]}, locale="en").new_page()
         page.add_init_script(WATCH_SHIFTS + BLIND_DETECTOR)
-        held: list[Route] = []
-        page.route(re.compile("geologica-latin"), held.append)
+        held.clear()
+        page.route(re.compile("geologica-latin"), lambda route: held.append(route))
         page.goto(path, wait_until="domcontentloaded")
         page.locator("h1:visible").first.wait_for()
         page.evaluate("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
