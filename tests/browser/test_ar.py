@@ -155,9 +155,7 @@ def sent(page: Page) -> list[Request]:
     return requests
 
 
-def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only(
-    page: Page, sent: list[Request]
-) -> None:
+def test_overlays_fit_in_a_practice_that_only_requests_an_estimate(page: Page, sent: list[Request]) -> None:
     page.add_init_script(SILENCED)
     page.goto(f"{ADDRESS.replace('virtual=1&', '')}&img_size=640x360")
     page.locator("#welcome .virtually").click()

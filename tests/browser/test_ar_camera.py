@@ -50,7 +50,7 @@ def known() -> dict[str, Any]:
     return result() | {"calibrations": 7, "reliable": True, "exact_size": True}
 
 
-def test_camera_asked_for_is_opened_though_the_list_is_late_and_again_once_it_is_back(page: Page) -> None:
+def test_requested_camera_is_opened_from_a_late_list_and_reopened(page: Page) -> None:
     answer(page, "**/v1/lookup", known)
     page.add_init_script(PLUGGED + LATE + BLIND_DETECTOR)
     page.goto("/ar/?camera=Overlay+Test+Camera+(1234:0a12)&lang=en")

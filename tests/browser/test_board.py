@@ -48,7 +48,7 @@ def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
             assert int(mask) > 1000
 
 
-def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes_back(page: Page) -> None:
+def test_board_fills_the_window_without_full_screen(page: Page) -> None:
     page.add_init_script("delete Element.prototype.requestFullscreen")
     page.set_viewport_size(SIZES["hand"])
     before = "/config.json"

@@ -60,7 +60,7 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     picture(page, "camera", full=True)
 
 
-def test_a_calibrated_camera_is_found_and_fitted_with_any_model_and_has_no_corners(
+def test_a_calibrated_camera_is_found_and_fitted_with_any_model(
     context: BrowserContext, api: httpx.Client
 ) -> None:
     page = context.new_page()

@@ -21,7 +21,7 @@ def start(page: Page) -> dict[str, Any]:
     return {name: value for name, value in body.items() if name.startswith("licence")}
 
 
-def test_consent_gives_a_capture_its_licence_is_taken_back_and_publishes_once(page: Page) -> None:
+def test_consent_licenses_a_capture_and_publishes_once(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     box, note = page.locator("#consent"), page.locator("#consent-note")
     for language, words in NOTES if THOROUGH else NOTES[-1:]:

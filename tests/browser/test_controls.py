@@ -66,9 +66,7 @@ PLUG = """(there) => {
 
 
 @pytest.mark.parametrize("seconds", [2, *thorough(60)])
-def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyboard(
-    page: Page, seconds: int
-) -> None:
+def test_capture_speaks_fits_waits_while_hidden_and_obeys_the_keyboard(page: Page, seconds: int) -> None:
     sent: list[str] = []
     page.add_init_script(PATIENT)
     listen(page)
@@ -142,7 +140,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     page.locator("#interrupted").wait_for(state="hidden")
 
 
-def test_camera_is_the_one_and_of_the_size_asked_for_comes_back_and_its_refusals_are_explained(
+def test_requested_camera_is_opened_and_refusals_are_explained(
     page: Page,
 ) -> None:
     page.add_init_script(PLUGGED + LISTED_LATE + BLIND_DETECTOR)
@@ -200,7 +198,7 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
 
 
 @pytest.mark.thorough
-def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page: Page) -> None:
+def test_a_view_is_heard_and_felt_and_hints_are_spoken(page: Page) -> None:
     page.add_init_script(SENSES)
     page.goto(f"{ENDLESS}&lang=de")
     page.locator("#controls:not([hidden])").wait_for()

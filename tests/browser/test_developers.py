@@ -100,7 +100,7 @@ def test_from_the_landing_page_to_a_lookup_on_another_origin(
         expect(page.locator("#answer")).to_contain_text('"camera_matrix"')
 
 
-def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
+def test_token_is_kept_and_managed_and_works_with_curl(
     page: Page, known: dict[str, Any], tmp_path: Path
 ) -> None:
     page.goto("/developers/")
@@ -175,7 +175,7 @@ def expect_refusal(page: Page, words: str) -> None:
     expect(complaint).to_contain_text(words)
 
 
-def test_refusals_are_told_in_words_and_unkept_secrets_are_not_left_unasked(context: BrowserContext) -> None:
+def test_refusals_are_explained_and_unkept_secrets_warn(context: BrowserContext) -> None:
     page = context.new_page()
     problem = {
         "title": "Quota used up",

@@ -115,7 +115,7 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
         picture(page, f"example-{engine}", ["hand"], full=True)
 
 
-def test_a_refused_camera_is_let_go_and_an_unknown_one_drawn_over_with_its_estimate(
+def test_a_refused_camera_is_released_and_an_unknown_one_has_an_estimate(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()

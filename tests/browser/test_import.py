@@ -95,9 +95,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
             assert set(json.loads(request.post_data)) <= SENT
 
 
-def test_keypoints_that_determine_too_little_are_not_stored_and_a_poor_result_has_its_verdict(
-    page: Page, tmp_path: Path
-) -> None:
+def test_too_few_views_are_not_stored_and_a_poor_result_has_its_verdict(page: Page, tmp_path: Path) -> None:
     page.goto("/import/")
     calibrate_views(page, tmp_path, 3)
     page.locator("#status", has_text="A calibration needs four views that agree").wait_for()

@@ -50,7 +50,7 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     expect(page.locator(".virtual-camera")).to_have_count(1)
 
 
-def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_loses_views(
+def test_no_interruption_loses_views(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()  # Chromium complains of the frame that died with the worker, and of an outage
@@ -133,7 +133,7 @@ def expect_to_end_without_the_service(page: Page) -> None:
 
 
 @pytest.mark.thorough
-def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_back(
+def test_offline_capture_ends_and_is_sent_later(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()
@@ -162,9 +162,7 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("lens", ["chosen", "detected"])
-def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
-    context: BrowserContext, lens: str
-) -> None:
+def test_suggested_model_starts_with_the_views_so_far(context: BrowserContext, lens: str) -> None:
     page = context.new_page()
     begun = sessions(page)
 

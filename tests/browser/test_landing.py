@@ -10,9 +10,7 @@ from tests.helpers.browser.waiting import passing
 DRAWN = "document.querySelector('#loop .black').getAttribute('d')"
 
 
-def test_code_is_copied_and_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(
-    page: Page, context: BrowserContext
-) -> None:
+def test_code_is_copied_and_a_lookup_shows_a_card(page: Page, context: BrowserContext) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.add_init_script(CAMERA)
     answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True})

@@ -67,7 +67,7 @@ def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) 
     expect(page.locator("#status")).not_to_contain_text("cannot")
 
 
-def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_every_language(
+def test_outages_and_refusals_are_reported_in_every_language(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()
@@ -97,7 +97,7 @@ def test_what_is_not_there_is_said_in_the_language_of_the_page(context: BrowserC
     ("language", "path"),
     [("de", "/"), *thorough(("uk", "/calibrate/"), ("de", "/result/?id=none"))],
 )
-def test_no_frame_of_english_is_painted_for_who_reads_another_language(
+def test_no_frame_of_english_is_painted_in_another_language(
     visitor: Visitor, language: str, path: str
 ) -> None:
     context = visitor(locale=f"{language}-XX")

@@ -113,7 +113,7 @@ def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InF
 
 
 @pytest.mark.thorough
-def test_overlays_go_on_with_the_gpu_and_say_so_where_it_is_lost_for_good(context: BrowserContext) -> None:
+def test_overlays_return_with_the_gpu_and_report_its_loss(context: BrowserContext) -> None:
     overlays = context.new_page()
     overlays.goto(ADDRESS)
     overlays.locator("#rms:not(:empty)").wait_for()

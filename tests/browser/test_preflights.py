@@ -60,7 +60,7 @@ def site_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_page_of_another_origin_is_admitted_and_reads_answers_in_chromium_and_in_firefox(
+def test_a_page_of_another_origin_is_admitted_in_chromium_and_in_firefox(
     stack: LocalStack, chromium: Browser, in_firefox: InFirefox, site_folder: Path
 ) -> None:
     with stack.serve() as url, watched_requests(stack) as preflights:

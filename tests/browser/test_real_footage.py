@@ -157,7 +157,7 @@ class Walk:
     ],
     ids=["hidden markers", "partly outside"],
 )
-def test_board_that_is_partly_seen_is_named_as_a_whole_and_asked_about(
+def test_partly_seen_board_is_named_as_a_whole(
     playwright: Playwright, stack: str, tmp_path: Path, walk: Walk
 ) -> None:
     frames = stop_and_go.frames_of(data_dir() / "videos" / walk.file)[walk.first :]

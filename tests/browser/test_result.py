@@ -37,9 +37,7 @@ def state(api: httpx.Client) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("language", ["uk", *thorough("en", "de")])
-def test_a_result_is_short_whichever_tab_is_open_and_its_card_hands_on(
-    page: Page, context: BrowserContext, language: str
-) -> None:
+def test_a_result_is_short_and_its_card_copies(page: Page, context: BrowserContext, language: str) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     answer(page, "**/v1/calibrations/*", result_of_camera)
     answer(page, "**/v1/cameras/*", camera)
@@ -192,7 +190,7 @@ def test_a_stored_calibration_is_shown_saved_and_refitted_without_views(
     assert shown_calibration(page)["id"] == state["calibration_id"]
 
 
-def test_a_known_camera_goes_back_to_the_application_over_https_or_on_this_machine(page: Page) -> None:
+def test_results_return_over_https_or_to_this_machine(page: Page) -> None:
     six = {
         "calibrations": 6,
         "contributors": 4,

@@ -81,7 +81,7 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     assert state["result"]["extrinsics"] == result["extrinsics"]
 
 
-def test_page_of_a_finished_rig_draws_it_and_states_the_boards_shape_in_millimetres(page: Page) -> None:
+def test_page_of_a_finished_rig_draws_it_and_the_boards_shape(page: Page) -> None:
     answer(page, "**/v1/rigs/*", rig)
     page.goto(f"/rig/?id={rig()['rig_id']}")
     expect(page.locator("#done header")).to_contain_text(
@@ -97,7 +97,7 @@ def test_page_of_a_finished_rig_draws_it_and_states_the_boards_shape_in_millimet
 
 
 @pytest.mark.thorough
-def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
+def test_firefox_leads_and_is_killed_chromium_loses_its_network(
     stack: str, context: BrowserContext, api: httpx.Client, tmp_path: Path
 ) -> None:
     script = Path(__file__).parents[1] / "helpers" / "browser" / "firefox_rig.mjs"
@@ -141,9 +141,7 @@ def test_firefox_leads_and_is_killed_chromium_follows_and_loses_its_network(
 
 
 @pytest.mark.thorough
-def test_page_that_is_killed_without_a_network_delivers_what_it_has_captured(
-    context: BrowserContext, api: httpx.Client
-) -> None:
+def test_page_killed_offline_delivers_its_views(context: BrowserContext, api: httpx.Client) -> None:
     sent: list[Any] = []
 
     def lose(route: Route) -> None:

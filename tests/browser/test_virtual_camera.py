@@ -57,9 +57,7 @@ def expect_known_after_five(page: Page, api: httpx.Client, first: dict[str, Any]
 
 
 @pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
-def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
-    page: Page, api: httpx.Client, truth: Truth
-) -> None:
+def test_chromium_hands_free_with_keypoints_only(page: Page, api: httpx.Client, truth: Truth) -> None:
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))

@@ -92,9 +92,7 @@ def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFire
     check_immersive(in_firefox(f"{stack}{PLAIN}", held("immersive"), size=(1440, 900)))
 
 
-def test_a_camera_that_is_turned_is_asked_for_again_and_never_has_the_former_ones_matrix(
-    asking: Page, known: dict[str, Any]
-) -> None:
+def test_a_turned_camera_is_looked_up_again_and_loses_its_matrix(asking: Page, known: dict[str, Any]) -> None:
     asking.goto(PLAIN)
     found = asking.evaluate(held("changing"))
     first, turned, again = found["seen"]

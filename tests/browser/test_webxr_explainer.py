@@ -129,7 +129,7 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
     assert (found["shown"], found["left"]) == (2, 0)
 
 
-def test_the_picture_straightened_then_a_provider_of_its_own_and_raw_camera_access(
+def test_straightened_picture_own_provider_and_raw_camera_access(
     page: Page, known: dict[str, Any], stack: str
 ) -> None:
     page.goto(PLAIN)

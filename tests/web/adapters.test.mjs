@@ -147,7 +147,7 @@ for (const rightHanded of [false, true]) {
   });
 }
 
-test("depth is as Babylon.js would have it, infinitely far planes and reversed buffers included", () => {
+test("depth is Babylon.js', for every kind of depth buffer", () => {
   const engine = new NullEngine({ useHighPrecisionMatrix: true });
   const scene = new Scene(engine);
   for (const [reversed, half, maxZ] of [

@@ -93,7 +93,7 @@ test("whoever gets through ends the waiting, also of a call that gave up", async
   assert.deepEqual(retries, [1, 2, 0]);
 });
 
-test("who accepts and says nothing is given up after one wait, by those who can go on without", async () => {
+test("a brief call gives up a silent server after one wait", async () => {
   const { api, calls } = service(() => new OfflineError(true));
   await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
   assert.equal(calls.length, 1);
@@ -101,7 +101,7 @@ test("who accepts and says nothing is given up after one wait, by those who can 
   assert.equal(calls.length, 1 + 8);
 });
 
-test("a server that never answers, or stops in the middle, is one that cannot be reached", async () => {
+test("a silent server is offline", async () => {
   const server = createServer((request, response) => {
     if (request.url === "/half") response.writeHead(200, { "content-length": 10 }).write("half");
   });
@@ -189,7 +189,7 @@ test("a capture is taken up again with the views it had, also one whose answer w
   assert.deepEqual([...taken.keys()], [0], "the view whose answer was lost is the last one");
 });
 
-test("views taken while the service is away are sent in order once it is back, by this page or the next", async () => {
+test("views taken during an outage are sent in order later", async () => {
   const taken = [];
   let away = false;
   let saved = null;
@@ -224,7 +224,7 @@ test("views taken while the service is away are sent in order once it is back, b
   assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
 });
 
-test("a capture begun without the service is sent once it is there, and may be sent again as another's", async () => {
+test("a capture begun offline is sent later", async () => {
   const taken = [];
   const { api, calls } = service(({ call, body }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });

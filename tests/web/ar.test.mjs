@@ -86,7 +86,7 @@ test("too few corners, or corners on one line, tell no pose", () => {
   );
 });
 
-test("misalignment is rms over all corners, and that of the corner nearest to the picture's", () => {
+test("misalignment is rms, and that of the outermost corner", () => {
   const pose = { rvec: [0, 0, 0], tvec: [0, 0, 1] };
   const mode = { seen: (pixel) => (pixel[0] < 0 ? null : pixel), drawn: ([x, y]) => [x, y] };
   const points = [

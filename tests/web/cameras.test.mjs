@@ -115,7 +115,7 @@ test("a calibration stands with those that agree, once the consensus counts it",
   assert.equal(agreementOf("key", { modes: [] }, { id: "a", img_size: [1280, 720], zoom: 0 }).agreeing, 1);
 });
 
-test("the agreement is asked for until the consensus counts the calibration, and not for ever", async (t) => {
+test("the agreement is polled until the calibration counts", async (t) => {
   const asked = [];
   t.mock.method(globalThis, "fetch", async (url) => {
     const { pathname } = new URL(String(url), "http://page.example/");

@@ -173,7 +173,7 @@ test("consent to an earlier text is none to this one", async (t) => {
   assert.deepEqual(consentFields(), { licence: "CC0-1.0", licence_version: LICENCE_VERSION });
 });
 
-test("a session that was started without a licence is given it under its own id, by another connection", async (t) => {
+test("a running session is given its licence later", async (t) => {
   const kept = keepHere(t);
   const { sent, api } = await started();
   kept.delete("calibdb.consent");
@@ -192,7 +192,7 @@ test("a session that was started without a licence is given it under its own id,
 const location = new URL("https://calibdb.example/calibrate/");
 const VIRTUAL = "calibDB virtual camera 42e1b240";
 
-test("an application under development gets a practice result, any other only if it asked for one", (t) => {
+test("only local applications get practice results unasked", (t) => {
   setGlobals(t, { location });
   assert.equal(isPracticeReturned("http://localhost:9000/app", "HD Pro Webcam C920"), true);
   assert.equal(isPracticeReturned("http://127.0.0.1:9000/", null), true);

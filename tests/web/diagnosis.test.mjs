@@ -69,7 +69,7 @@ test("moiré shows in the white of the board, and sensor noise does not", () => 
   }
 });
 
-test("moiré is looked for in bright parts of the board: dark print may reflect, and light may fall off", () => {
+test("moiré is looked for in bright parts of the board", () => {
   const inverted = { ...DEFAULT_BOARD, inverted: true };
   const dark = (at, value) => (value < 128 ? 255 - ((at % SIZE[0]) % 16 < 8 ? 70 : 0) : 255 - value);
   for (const pose of POSES) {
@@ -139,7 +139,7 @@ test("each trouble is named once it lasts", () => {
   assert.equal(said(board, { from: { ...HEALTHY, other: "legacy" } }), null, "the board itself is seen");
 });
 
-test("what is wrong is forgotten as soon as the board is well seen, and nothing is said at once", () => {
+test("trouble is forgotten when the board is seen well", () => {
   const dark = diagnose(
     HEALTHY,
     { size: SIZE, markers: 0, ids: [], points: [], metrics: { ...metrics, median: 9, high: 20 } },

@@ -97,7 +97,7 @@ test("each camera is looked at in each round, and no image is left open", async 
   assert.ok(pair.open <= 0 && single.open <= 0);
 });
 
-test("a detector that stops is replaced three times; the fourth failure ends the capture", async (t) => {
+test("the fourth failure of a detector ends the capture", async (t) => {
   const made = Array.from({ length: 4 }, () => detectorOf(new DetectorError("gone")));
   const page = pageOf(t, 1);
   await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], ...made).run(), DetectorError);

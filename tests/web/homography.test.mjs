@@ -42,7 +42,7 @@ test("points on a line, or fewer than four, determine none", () => {
   assert.equal(homography(line, line), null);
 });
 
-test("the outline is found from a quarter of the corners, through a lens, to 2 % of the width", () => {
+test("the outline is found from a quarter of the corners to 2 % of the width", () => {
   const ids = [9, 10, 11, 17, 18, 19, 25, 26, 27, 28];
   const all = see(BARREL, POSE, corners(DEFAULT_BOARD));
   const seen = observedOutline(DEFAULT_BOARD, { ids, points: ids.map((id) => all[id]) });

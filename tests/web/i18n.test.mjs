@@ -76,7 +76,7 @@ test("pages have no copies of the catalogs' texts", () => {
   }
 });
 
-test("the language is the one asked for, else the one kept, else the browser's first that there is", () => {
+test("the language is the requested, stored or preferred one", () => {
   assert.equal(choose("de", "uk", ["en"]), "de");
   assert.equal(choose("fr", "uk", ["en"]), "uk");
   assert.equal(choose(null, null, ["fr-FR", "de-AT", "en"]), "de");
@@ -151,7 +151,7 @@ function visit(address, { kept = null, preferred = ["en-US"], storage = true } =
   return led;
 }
 
-test("who reads German or Ukrainian is led there from an English address, with query and fragment", () => {
+test("German and Ukrainian visitors are led to their pages", () => {
   assert.equal(visit("/", { preferred: ["de-AT", "en"] }), "/de/");
   assert.equal(visit("/result/?id=a%20b&x=1#y", { preferred: ["fr", "uk"] }), "/uk/result/?id=a+b&x=1#y");
   assert.equal(visit("/board/"), null);

@@ -25,7 +25,7 @@ async function size(contents, external = []) {
   return gzipSync(text).length;
 }
 
-test("below 8 KB compressed, below 14 KB with all that works on the GPU, and less for single functions", async (t) => {
+test("compressed: 8 KB, 14 KB with the GPU, less for single functions", async (t) => {
   const all = "export * from './calibdb.js';";
   const gpu = ["./rectifier.js", "./distorter.js", "./pair-rectifier.js"];
   const [without, complete, matrix, lens, lookup, rig, offline] = await Promise.all([

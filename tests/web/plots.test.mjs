@@ -23,7 +23,7 @@ const calibration = (f, distortion_model, distortion_coefficients) => ({
 });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
 
-test("the caption of a lens without distortion says 0 px, for every model that can have none", (t) => {
+test("a lens without distortion has 0 px in its caption", (t) => {
   setGlobals(t, { document });
   const lenses = [
     calibration(800, "rectilinear", [0, 0, 0, 0, 0]),
@@ -37,7 +37,7 @@ test("the caption of a lens without distortion says 0 px, for every model that c
   }
 });
 
-test("the profile of a lens is its radial polynomial, and is dashed beyond the corners measured", (t) => {
+test("the lens profile is dashed beyond the measured corners", (t) => {
   setGlobals(t, { document });
   const lens = calibration(800, "rectilinear", [-0.1, 0, 0, 0, 0]);
   const profile = lensProfile(lens, 10);
@@ -59,7 +59,7 @@ test("the profile of a lens is its radial polynomial, and is dashed beyond the c
   assert.equal(curves(null)[2].d, "", "nothing is dashed where it is not known what was measured");
 });
 
-test("displacements of fisheye and omnidirectional lenses start at the pinhole of their focal length", () => {
+test("displacements start at the pinhole of the focal length", () => {
   // Equidistant, r = f t, and stereographic, r = 2 f tan(t / 2), which is xi = 1: from f tan t.
   const grid = /** @type {[number, number]} */ ([17, 11]);
   const f = 800;
@@ -72,7 +72,7 @@ test("displacements of fisheye and omnidirectional lenses start at the pinhole o
   assert.ok(Math.abs(stereographic - expected) < 1, `${stereographic} instead of ${expected}`);
 });
 
-test("the error map's bands hold the places that have their values, and numbers stand at lines between them", (t) => {
+test("the error map's bands and numbers are at their values", (t) => {
   setGlobals(t, { document });
   const [columns, rows] = [20, 12];
   const px = Array.from({ length: rows }, (_, row) =>
@@ -192,7 +192,7 @@ test("a finer map goes smoothly through the values that there are", () => {
   );
 });
 
-test("the grid that is straightened shows the lens: straight lines of a pinhole, else bent ones", () => {
+test("the grid has straight lines for a pinhole only", () => {
   const bend = (lens) =>
     Math.max(
       ...gridLines(lens).map(({ seen: line }) => {

@@ -162,7 +162,7 @@ test("axes are numbered roundly", () => {
   assert.deepEqual(ticks(1280, 5), [0, 400, 800, 1200]);
 });
 
-test("results go back over HTTPS, to the visitor's own machine, and to origins that the operator allows", () => {
+test("results return over HTTPS, to localhost and to allowed origins", () => {
   const here = "https://calibdb.example";
   const allowed = ["http://robot.example"];
   const to = (address, from = here) => returnAddress(address, from, allowed)?.allowed ?? null;
@@ -216,7 +216,7 @@ test("a cause is told once, whether the verdict, the report or the capture names
   );
 });
 
-test("what is certain of the board's shape is said, and nothing where no printer stretches a board so", () => {
+test("the board's shape is described if it is certain", () => {
   const board = { sag: 0.0071, sag_std: 0.0004, stretch: 0.0021, stretch_std: 0.0005, stretch_kind: "wider" };
   const said = (/** @type {any} */ shape) => boardSentence(shape).map((text) => text.replaceAll("\u00a0", " "));
   const whole = (/** @type {string} */ what) => [`Your board is ${what}. That was taken into account.`];

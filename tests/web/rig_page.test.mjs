@@ -32,7 +32,7 @@ function sightOf(since, until) {
   return sight;
 }
 
-test("a camera takes a view only if the board was still since before the moment can have been opened", () => {
+test("a view needs a board that was still before its moment was opened", () => {
   const sight = sightOf(1_000, 3_000);
   assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 2_800 }, 3_000), "take");
   assert.equal(answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000), "miss");
@@ -56,7 +56,7 @@ test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still on
   assert.ok(!isReady([sight], 0));
 });
 
-test("other devices need a longer hold, and a still longer one after a miss; one hold is taken once", () => {
+test("other devices need a longer hold, and longer after a miss", () => {
   const still = (hold) => sightOf(0, hold);
   assert.ok(!isReady([still(1_400)], 0) && isReady([still(1_500)], 0));
   assert.ok(!isReady([still(1_500)], remoteHold(0)) && isReady([still(1_900)], remoteHold(0)));
@@ -106,13 +106,13 @@ test("what was captured is delivered in order, and waits while the service is aw
   assert.deepEqual([saved[0], saved.at(-1), box.views], [3, 0, 0], "kept before it is sent, forgotten after it was");
 });
 
-test("letters of an earlier page are delivered; what the service refuses does not hold up the rest", async () => {
+test("a refused letter does not hold up the rest", async () => {
   const { box, log } = boxOf([{}, new ApiError(409, { type: "x#moment-undone" })], LETTERS);
   await box.flush();
   assert.deepEqual(log, ["open a", "view 0", "refused 409", "view 1"]);
 });
 
-test("a moment that nobody has heard of is withdrawn; one whose opening is on its way is undone at the service", () => {
+test("a moment is withdrawn until its opening is on its way", () => {
   const { box } = boxOf([]);
   box.post(...LETTERS);
   assert.equal(box.withdraw("a"), false);
@@ -165,7 +165,7 @@ const recordOf = (leads, count) => ({
   })),
 });
 
-test("a device's cameras enter a rig, and a page that was lost completes it with the same sessions", async () => {
+test("a reloaded page joins a rig with the same sessions", async () => {
   const calls = [];
   let isLost = true;
   const service = {
@@ -214,7 +214,7 @@ test("a refused code is told apart from another board", async () => {
   }
 });
 
-test("the simulated board is the same one in every browser, and covers the target in the first camera", () => {
+test("the simulated board covers the target in the first camera", () => {
   const parameters = new URLSearchParams("error=0");
   const { lens, size } = setupAt(parameters, 0);
   const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
@@ -271,7 +271,7 @@ test("a stereo camera's picture is cut in halves, whose cameras have names of th
   assert.equal(labelOfHalf("ZED 2", null), "ZED 2");
 });
 
-test("a rig ends without a click when it is accurate or nothing more comes, and no camera keeps silent", () => {
+test("a rig ends when it is accurate or nothing more comes", () => {
   const cameras = [0, 1].map((position) => ({ position, status: "capturing", views: 4 }));
   const moment = (id, ...positions) => ({ id, positions });
   const state = {
@@ -301,7 +301,7 @@ test("a rig ends without a click when it is accurate or nothing more comes, and 
   assert.ok(isComplete(inaccurate, 0, course));
 });
 
-test("the error of a rig is on a plateau after ten moments, three without progress, near the best", () => {
+test("a rig's error has a plateau after ten moments", () => {
   const of = (errors, missed = -1) => errors.map((rms, n) => ({ rms, atTarget: n !== missed }));
   const still = [null, null, null, 6, 5, 4, 2, 2, 2, 1.8];
   assert.ok(hasPlateau(of(still)));

@@ -94,7 +94,7 @@ test("a known camera is answered with its calibration", async () => {
   assert.deepEqual(body, { ...KEY, distortion_model: "fisheye", redirect: false, miss: "ok" });
 });
 
-test("an unknown camera has an estimate, which is the camera to draw with only if that is accepted", async () => {
+test("an estimate is the camera only if it is accepted", async () => {
   const miss = json(200, { calibration: null, ...MISS, estimate: LIKELY });
   const cautious = await lookup(KEY, service(miss).options);
   assert.ok(cautious.estimate instanceof Estimate && !(cautious.estimate instanceof Calibration));
@@ -141,7 +141,7 @@ test("views and their board are sent with a lookup", async () => {
   assert.ok(!("views" in asked[1].body));
 });
 
-test("an unknown camera, error or not, has the address that calibrates it, and calls onNeedCalibration", async () => {
+test("an unknown camera calls onNeedCalibration with an address", async () => {
   for (const miss of [json(404, MISS), json(200, { calibration: null, ...MISS })]) {
     const { asked, options } = service(miss);
     const reported = [];
@@ -204,7 +204,7 @@ test("SDK and pages ask again after the same answers", async () => {
   }
 });
 
-test("a line that breaks in mid-answer is asked again, and what is no answer is neither taken nor kept", async () => {
+test("a broken answer is retried, and another service's is not taken", async () => {
   const broken = () =>
     new Response(
       new ReadableStream({
@@ -372,7 +372,7 @@ async function turn(holds = () => true) {
   while (!holds());
 }
 
-test("a picture that changes its size, or is turned, is looked up again; its end is the end", async (t) => {
+test("a picture of another size is looked up again", async (t) => {
   setGlobals(t, { navigator: { userAgent: "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0" } });
   t.mock.timers.enable({ apis: ["setInterval"] });
   const track = camera({ width: 1280, height: 720, resizeMode: "none" });
@@ -541,7 +541,7 @@ test("an unknown camera is asked of the service, and of the edge once an hour an
   assert.equal((await lookup(KEY, { ...options, cache: FULL })).reason, "too_few");
 });
 
-test("while every function fails, a known camera has its answer, and another camera a reason", async () => {
+test("during an outage known cameras are still found", async () => {
   for (const failing of [
     () => json(503, { detail: "Service Unavailable" }),
     () => {
@@ -650,7 +650,7 @@ test("a camera that came with the application needs no token and no network", as
   assert.equal((await lookup(pixel, { bundle, cache: null })).calibration.camera_matrix[0][0], 1500);
 });
 
-test("what it does not know is asked of the service, or leads to the guidance page without a request", async () => {
+test("other cameras are looked up online or lead to guidance", async () => {
   const stranger = { ...BUNDLED, camera: "toString" };
   const { calibration, guidanceUrl, reason } = await lookup(stranger, {
     bundle,

@@ -80,7 +80,7 @@ function held(rvec, centre) {
 }
 const TILTED = held([0.5, 0.5, 0], [0.5, 0.5, 11]);
 
-test("a hand that follows a target lies as it does; a board facing the camera in its place does not", () => {
+test("a followed target overlaps, a board that faces the camera does not", () => {
   const random = seededRandom(3);
   for (let i = 0; i < 200; i++) {
     assert.ok(difference(seen(perturbPose(TILTED, 1, random, CENTRE)), seen(TILTED)) < 0.08);
@@ -101,7 +101,7 @@ test("the other way up is as good", () => {
   assert.equal(advice([c, d, a, b], seen(TILTED)), "");
 });
 
-test("the largest difference first, in what a hand may miss by; nothing where nothing is left", () => {
+test("the largest difference is named first", () => {
   const target = seen(held([0, 0.5, 0], [0, 0, 11]));
   const said = (rvec, centre) => advice(seen(held(rvec, centre)), target);
   assert.equal(said([0, 0.5, 0], [3, 2.5, 11]), "up_left");
@@ -207,7 +207,7 @@ test("a board that may go on beyond the picture's edge is said to be cut off", (
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut, true);
 });
 
-test("the upper rows of the expected board are no other board, and what is not plain is not a chessboard", () => {
+test("parts of the expected board are not another board", () => {
   assert.equal(after(DEFAULT_BOARD, charuco(DEFAULT_BOARD, {}, 4), charuco(DEFAULT_BOARD, {}, 4)), null);
   const marked = { ...nothing, chessboard: { ...lattice([6, 4]), isPlain: false } };
   assert.equal(after(DEFAULT_BOARD, marked, marked), null);
@@ -240,7 +240,7 @@ test("a board that is blurred or far away is not taken for another one", () => {
   assert.equal(trouble(4, { square: 12 }), null);
 });
 
-test("looks are due where the board has not been seen for a while, and not one after the other", () => {
+test("looks are due while no board is seen, with pauses", () => {
   const watch = new BoardWatch();
   assert.equal(watch.isDue(Infinity, 5000), false);
   assert.equal(watch.isDue(4800, 5000), false);

@@ -67,7 +67,7 @@ test("a board held still on the target is sent after the hold, not before", () =
   assert.equal(decide(capturing(frames(frame(THERE), HOLD_MS)), HOLD_MS), "submit");
 });
 
-test("a tilted board held elsewhere is sent too, after longer; one that faces the camera is not", () => {
+test("a tilted board held elsewhere is sent after a longer hold", () => {
   const tilted = (ms) => capturing(frames(frame(ELSEWHERE), ms));
   assert.ok(tilted(100).sight.overlap < 0.3);
   assert.equal(decide(tilted(LONG_HOLD_MS - 50), LONG_HOLD_MS - 50), null);
@@ -88,7 +88,7 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   assert.equal(decide(better, 2000 + HOLD_MS), "submit");
 });
 
-test("a capture that is shown nothing new for 30 s ends with its four views, in sight or not", () => {
+test("a capture with four views ends after 30 s without a new one", () => {
   const answer = (count) => ({ views: viewsOf(count), calibration: {} });
   const after = (count) => {
     const taken = answered(capturing(), answer(count), 10_000, frame(THERE));
@@ -107,7 +107,7 @@ test("a capture that is shown nothing new for 30 s ends with its four views, in 
   assert.equal(decide(back, 40_001), null, "time in a hidden tab does not count");
 });
 
-test("a capture ends after four holds in a row where the board was before, and says so at each", () => {
+test("a capture ends after four repeated holds in a row", () => {
   const answer = { views: viewsOf(4), calibration: {} };
   const places = [0, 1, 2].map((n) => frame({ rvec: [0.4, 0.6, 0], tvec: [-12 + 2 * n, -6, 20] }));
   let state = capturing();
@@ -137,7 +137,7 @@ test("a capture ends after four holds in a row where the board was before, and s
   assert.equal(fresh.capture.repeats, 0);
 });
 
-test("a pose whose view was refused can be tried again after another hold; one that is in is not sent twice", () => {
+test("only a refused pose is sent again", () => {
   const back = (reason) => {
     let state = capturing(frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS));
     state = answered(state, { accepted: reason === null, reason }, 3_000);
@@ -158,7 +158,7 @@ test("a view that was taken off the target is said to be, with what helps more",
   assert.equal(taken([{ ...view, on_target: null }]), "capture.view_taken");
 });
 
-test("a target refused in its own place is given up after 1 s if nothing helps, else after 3 s to read why", () => {
+test("a refused target is skipped after 1 s, or 3 s with a reason to read", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
   const refused = answered(held, REFUSED, 600);
   assert.equal(decide(refused, 1_500), null);
@@ -237,7 +237,7 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   assert.equal(reduce(there, { type: "sent", corners: slid }).capture.unsteady, true);
 });
 
-test("a board that is never held still is told so after 12 s, and its sharpest frames are offered after 60", () => {
+test("an unsteady board is reported after 12 s, its sharpest frames are offered after 60", () => {
   const swaying = (time) =>
     frame({ ...ELSEWHERE, tvec: [ELSEWHERE.tvec[0] + 0.4 * Math.sin(time / 300), ...ELSEWHERE.tvec.slice(1)] });
   const states = [capturing([])];
@@ -346,7 +346,7 @@ test("without the service, views are kept and counted, and the target is the pag
   assert.equal(back.link.attempts, 0);
 });
 
-test("without the service there is an end: eight views, or three more where it went on asking", () => {
+test("an offline capture ends at eight views, or after three more", () => {
   const offline = (stored) => reduce(capturing(), { type: "opened-offline", stored, time: 0 });
   assert.deepEqual([offline(0).ui.notice, offline(3).link.offline, offline(3).phase], [null, true, "capturing"]);
   assert.deepEqual([offlineGoal(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
@@ -457,7 +457,7 @@ test("the notice that a capture is opened with is shown once the capture runs", 
   assert.equal(reduce(failed, { type: "open" }).ui.openingNotice, null);
 });
 
-test("where nothing of a board is seen for eight seconds, a way to get one is offered until one is seen", () => {
+test("a board is offered after eight seconds without one", () => {
   const blind = (ms, seen = NOTHING) => frames(seen, ms).reduce(reduce, capturing());
   assert.equal(blind(7_900).detector.boardless, false);
   assert.equal(blind(8_100).detector.boardless, true);
@@ -558,7 +558,7 @@ test("an estimate of fewer than three views draws nothing", () => {
   assert.equal(trustedCalibration({ calibration, views: views(3) }), calibration);
 });
 
-test("a target without the service is as large for every model of the same focal length at the axis", () => {
+test("an offline target has one size for every model", () => {
   const size = [1280, 720];
   const matrix = (f) => [
     [f, 0, 639.5],

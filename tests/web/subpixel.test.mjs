@@ -110,7 +110,7 @@ test("a marker is read in every turn, mirrored, and with the border that Kalibr 
   }
 });
 
-test("the first corner is the marker's own upper left, in the picture turned back where it is mirrored", () => {
+test("the first corner is the marker's own upper left", () => {
   const { image, quad } = drawn("DICT_5X5_1000", 3, { quarters: 1 });
   const [reading] = readMarkers(image, [quad]);
   const [[x, y]] = reading.markers[0].corners;

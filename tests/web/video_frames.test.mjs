@@ -62,7 +62,7 @@ async function watch(t, options, refreshes = 1) {
   return { times, played: video.played };
 }
 
-test("a video of many frames is played faster as long as every frame comes that is wanted", async (t) => {
+test("a long video is played faster without losing frames", async (t) => {
   const { times, played } = await watch(t, { rate: 24, count: 260, capacity: 60 });
   assert.ok(times.length >= 116, `${times.length} frames`);
   assert.ok(played < 0.6 * (260 / 24), `${played} s`);

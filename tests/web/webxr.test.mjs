@@ -151,7 +151,7 @@ test("models are an enumeration: other names are a TypeError, and nothing is cha
   );
 });
 
-test("an error leaves the views as they were, is told, and asking for the same again is another try", async () => {
+test("an error leaves the views as they were until a retry", async () => {
   const told = [];
   const { global, session, calls, again } = running({ onError: (error) => told.push(error.message) });
   look(global, session);
@@ -278,7 +278,7 @@ test("the formula of raw camera access takes projection matrices back", () => {
   );
 });
 
-test("raw camera access gives the matrix if the service has none, and asks again if its picture changes", async () => {
+test("raw camera access gives the matrix that the service lacks", async () => {
   const { global, session, calls } = running();
   const shown = (pinhole) => [
     {
