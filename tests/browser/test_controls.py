@@ -16,35 +16,13 @@ from tests.helpers.browser.interruptions import (
     wait_for_views,
 )
 from tests.helpers.browser.pictures import SIZES, picture
-from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
+from tests.helpers.browser.scenes import BLIND_DETECTOR, LISTED_LATE, PLUG, PLUGGED
 from tests.helpers.browser.viewfinder import expect_all_in_reach
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
-# One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
-PLUGGED = f"""{CAMERA}
-  Object.assign(window, {{ there: true, permitted: false }});
-  const give = navigator.mediaDevices.getUserMedia;
-  navigator.mediaDevices.getUserMedia = (constraints) => {{
-    window.asked = constraints.video;
-    if (window.refusal) return Promise.reject(new DOMException("", window.refusal));
-    window.permitted = true;
-    return give();
-  }};
-  navigator.mediaDevices.enumerateDevices = async () => {{
-    const [deviceId, label] = window.permitted ? ["c920", "HD Pro Webcam C920 (046d:082d)"] : ["", ""];
-    return window.there ? [{{ kind: "videoinput", deviceId, label }}] : [];
-  }};
-"""
-# A visitor may be quicker than the list of cameras, which is there after `answer()`.
-LISTED_LATE = """
-  const list = navigator.mediaDevices.enumerateDevices;
-  const listed = new Promise((resolve) => window.answer = resolve);
-  navigator.mediaDevices.enumerateDevices = () => listed.then(list);
-  window.permitted = true;
-"""
 # What speaks by itself to who listens to the page.
 LIVE = """() => [
   ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
@@ -59,10 +37,6 @@ SENSES = """
 """
 HEADER = "document.querySelector('header.rim').getBoundingClientRect().height"
 HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"
-PLUG = """(there) => {
-  window.there = there;
-  navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
-}"""
 
 
 @pytest.mark.parametrize("seconds", [2, *thorough(60)])

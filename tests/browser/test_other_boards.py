@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page
 
 from calibsolver import Board, fit
-from tests.helpers.browser.photographs import CAMERA, board_photographs, opencv_fx
+from tests.helpers.browser.photographs import CAMERA, board_photographs, opencv_fit
 from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import shown_calibration
@@ -65,14 +65,16 @@ def check(name: str, found: dict[str, Any] | None, pictures: list[Any]) -> None:
 
 
 def compare(name: str, ours: float, views: list[dict[str, Any]], board: Board) -> None:
-    theirs, deviation = opencv_fx(board, views, CAMERA.size)
+    _, matrix, deviation = opencv_fit(board, views, CAMERA.size)
+    theirs = matrix[0, 0]
     print(f"{name}: fx {ours:.3f}, OpenCV with the same corners {theirs:.3f}, truth {CAMERA.fx}")
     assert abs(ours - theirs) < deviation
     assert abs(ours - CAMERA.fx) < 0.005 * CAMERA.fx
 
 
 def compare_with_opencv_corners(ours: float, views: list[dict[str, Any]], pictures: list[Any]) -> None:
-    theirs, deviation = opencv_fx(CHESSBOARD, views, CAMERA.size)
+    _, matrix, deviation = opencv_fit(CHESSBOARD, views, CAMERA.size)
+    theirs = matrix[0, 0]
     assert abs(ours - theirs) < 0.05
     assert abs(ours - with_opencv_corners(pictures)) < deviation
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from calibsolver import Board
 from tests.helpers.browser import photographs
-from tests.helpers.browser.photographs import opencv_fx, sent_views
+from tests.helpers.browser.photographs import opencv_fit, sent_views
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import shown_calibration, until
 from tests.helpers.data import EXTERNAL, data_dir, external_data
@@ -23,6 +24,7 @@ BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"
 NAME = "LifeCam HD-3000"
 SIZES = ("640x480", "1280x720")
+PARAMETERS = ([0, 1, 0, 1], [0, 1, 2, 2])  # fx, fy, cx, cy of a matrix
 
 
 @dataclass(frozen=True)
@@ -108,9 +110,14 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     assert page.locator("#pictures .taken").count() >= series.fewest
     calibration = shown_calibration(page)
     fx = calibration["camera_matrix"][0][0]
-    expected, deviation = opencv_fx(Board(squares=(8, 8)), sent_views(sent), (640, 480))
-    print(f"fx {fx:.2f}, OpenCV with the same corners {expected:.2f} +- {deviation:.2f}")
-    assert abs(fx - expected) < deviation
+    rms, matrix, deviation = opencv_fit(Board(squares=(8, 8)), sent_views(sent), (640, 480))
+    ratio = np.array(calibration["camera_matrix"])[PARAMETERS] / matrix[PARAMETERS] - 1
+    error = calibration["avg_reprojection_error"] / rms - 1
+    print(f"fx {fx:.2f}, OpenCV with the same corners {matrix[0, 0]:.2f} +- {deviation:.2f}")
+    print(f"fx fy cx cy {100 * ratio} %, rms {rms:.4f} px {100 * error:+.2f} %")
+    assert abs(fx - matrix[0, 0]) < deviation
+    assert np.abs(ratio).max() < 0.01
+    assert abs(error) < 0.02
     assert fx / 640 == pytest.approx(series.ratio, abs=series.tolerance)
     assert (calibration["camera"], calibration["platform"]) == (NAME, "photographs")
     expect(page.locator(".views .source").first).to_contain_text(".jpg")
