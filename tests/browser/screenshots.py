@@ -42,18 +42,6 @@ def test_capture(page: Page) -> None:
     picture(page, "shot-capture-done", SIZES)
 
 
-def test_overlays(page: Page) -> None:
-    page.goto("/ar/")
-    page.locator("#camera option").first.wait_for(state="attached")
-    picture(page, "shot-ar-before", SIZES)
-    page.goto("/ar/?virtual=1&k1=-0.3&error=0")
-    page.locator("#rms:not(:empty)").wait_for()
-    for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
-        page.keyboard.press(key)
-        page.locator(f"#stage[data-shown={name}]").wait_for()
-        picture(page, f"shot-ar-{name}", SIZES)
-
-
 def test_the_overlays_of_the_readme(page: Page) -> None:
     page.set_viewport_size({"width": 720, "height": 680})
     page.goto("/ar/?virtual=1&k1=-0.3&error=0")

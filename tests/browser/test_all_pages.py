@@ -1,4 +1,4 @@
-"""All pages, sizes and languages: nothing moves while they appear, nothing is cut, all are accessible."""
+"""All pages, sizes and languages: stable layout, nothing cut, accessible."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""Position of drawn objects on the AR page, measured in the pictures that it shows."""
+"""Overlays of the AR page, measured in its pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
@@ -36,23 +36,12 @@ SILENCED = """
     }
   };
 """
+LABEL = "Overlay Test Camera (1234:0a12)"
 #: a webcam that looks into the dark
-WEBCAM = """
-  const label = "Overlay Test Camera (1234:0a12)";
-  navigator.mediaDevices.enumerateDevices = async () => [{ kind: "videoinput", deviceId: "c920", label }];
-  navigator.mediaDevices.getUserMedia = async () => {
-    const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
-    canvas.className = "virtual-camera";
-    canvas.setAttribute("aria-hidden", "true");
-    document.body.append(canvas);
-    const context = canvas.getContext("2d", { alpha: false });
-    setInterval(() => context.fillRect(0, 0, 1280, 720), 200);
-    const stream = canvas.captureStream(5);
-    const [track] = stream.getVideoTracks();
-    Object.defineProperty(track, "label", { value: label });
-    track.getSettings = () => ({ width: 1280, height: 720, deviceId: "c920" });
-    return stream;
-  };
+WEBCAM = f"""{CAMERA.replace("HD Pro Webcam C920 (046d:082d)", LABEL)}
+  navigator.mediaDevices.enumerateDevices = async () => [
+    {{ kind: "videoinput", deviceId: "c920", label: "{LABEL}" }},
+  ];
 """
 #: for what does not depend on the number of pixels
 SMALL_WEBCAM = WEBCAM.replace("1280", "640").replace("720", "360")
@@ -232,11 +221,9 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     page.goto("/de/ar/")
     page.locator("#start").click()
     page.locator("#unknown:not([hidden])").wait_for()
-    assert "Overlay Test Camera (1234:0a12), 1280 × 720" in (
-        page.locator("#unknown-text").text_content() or ""
-    )
+    assert f"{LABEL}, 1280 × 720" in (page.locator("#unknown-text").text_content() or "")
     there = parse_qs(urlsplit(page.locator("#calibrate").evaluate("link => link.href")).query)
-    assert there["camera"] == ["Overlay Test Camera (1234:0a12)"]
+    assert there["camera"] == [LABEL]
     assert urlsplit(there["return_to"][0]).path == "/de/ar/"
     picture(page, "ar-unknown", ["hand"])
     [request] = [request for request in sent if request.method != "GET"]

@@ -1,4 +1,4 @@
-"""The overlay page's camera: asked for by name, pulled out, plugged in again, and without a picture."""
+"""The camera of the AR page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The board: on a screen, on another device, on paper, and any other than ours."""
+"""The board on screens, other devices and paper."""
 
 import re
 from pathlib import Path

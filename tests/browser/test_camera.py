@@ -1,4 +1,4 @@
-"""A camera as the browser opens it: getUserMedia, a video file in place of the sensor."""
+"""A video file as the camera of getUserMedia."""
 
 import json
 from pathlib import Path

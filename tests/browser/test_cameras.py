@@ -1,4 +1,4 @@
-"""The database to look through."""
+"""The pages of known cameras."""
 
 import re
 from typing import Any

@@ -1,4 +1,4 @@
-"""The consent block: nobody has ticked it, it is remembered, and it decides what a session says."""
+"""The consent block."""
 
 from typing import Any
 

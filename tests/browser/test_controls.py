@@ -1,4 +1,4 @@
-"""Controls of the capture page, and its messages while a camera does not open."""
+"""Controls and messages of the capture page."""
 
 import re
 import time

@@ -1,4 +1,4 @@
-"""The detector in its Worker: right, steady in memory, and quick enough to follow a hand."""
+"""The detector in its worker."""
 
 import numpy as np
 import pytest

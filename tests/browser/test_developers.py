@@ -1,4 +1,4 @@
-"""The page for developers: a token of one's own, a lookup with it on another origin, and its upkeep."""
+"""Tokens and snippets of the page for developers."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Diagnosis of pictures in which the board is not seen, or not well."""
+"""Diagnosis of bad pictures."""
 
 import pytest
 from playwright.sync_api import Page, expect

@@ -1,4 +1,4 @@
-"""The documentation as a newcomer uses it: quickstart, search, calls tried from the page."""
+"""Quickstart, search and trial calls of the documentation."""
 
 import json
 import re
@@ -17,7 +17,7 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 from infra.web_build.openapi import EXAMPLES_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
@@ -28,20 +28,11 @@ from .conftest import ROOT
 KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
 BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
 #: two cameras of 640 x 480 px
-CAMERAS = """
-  const devices = [1, 2].map((each) => ({ kind: "videoinput", deviceId: `${each}`, label: `C ${each}` }));
+CAMERAS = f"""
+  {CAMERA.replace("HD Pro Webcam C920 (046d:082d)", "C 1").replace("1280", "640").replace("720", "480")}
+  const devices = [1, 2].map((each) =>
+    ({{ kind: "videoinput", deviceId: `${{each}}`, label: `C ${{each}}` }}));
   navigator.mediaDevices.enumerateDevices = async () => devices;
-  navigator.mediaDevices.getUserMedia = async () => {
-    const canvas = Object.assign(document.createElement("canvas"), { width: 640, height: 480 });
-    canvas.getContext("2d").fillRect(0, 0, 640, 480);
-    const stream = canvas.captureStream(30);
-    const settings = { width: 640, height: 480 };
-    for (const track of stream.getVideoTracks()) {
-      Object.defineProperty(track, "label", { value: "C 1" });
-      track.getSettings = () => settings;
-    }
-    return stream;
-  };
 """
 
 

@@ -1,4 +1,4 @@
-"""The examples of other engines: what they draw lies on the camera's picture, under the site's own policy."""
+"""Examples of other engines."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Header of all pages: language by the address, menus by keyboard and without scripts."""
+"""Language and menu of the header."""
 
 from playwright.sync_api import Page, expect
 

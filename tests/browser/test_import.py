@@ -1,4 +1,4 @@
-"""Calibration from another program's file: its keypoints through a session, the rest explained."""
+"""Calibration files of other programs."""
 
 from __future__ import annotations
 

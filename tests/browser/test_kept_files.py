@@ -1,4 +1,4 @@
-"""The service worker: what it keeps, what it must not, and how a new version takes over."""
+"""The service worker's files, and the weight of pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The landing page: a lookup answers with a card, the database is counted, pictures move where wanted."""
+"""The landing page."""
 
 from playwright.sync_api import BrowserContext, Page, expect
 

@@ -1,4 +1,4 @@
-"""Languages: texts that follow a change in the middle of a task, and frames in one language alone."""
+"""Change of language within a task."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Privacy notice, terms, data page: the operator, receipts of this browser, figures of the database."""
+"""Privacy notice, terms and data page."""
 
 import json
 

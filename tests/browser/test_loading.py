@@ -1,4 +1,4 @@
-"""Messages for files that cannot be loaded."""
+"""Files that are late or missing."""
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect

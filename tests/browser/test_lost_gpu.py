@@ -1,4 +1,4 @@
-"""Loss of the WebGL context: drawings come back with it, and a loss for good is reported."""
+"""Loss of the WebGL context."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chessboards, AprilGrids and inverted boards, in drawn photographs and before the simulated camera."""
+"""Chessboards, AprilGrids and inverted boards."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The README's example as it stands, on a page of another origin, with the browser's own made-up camera."""
+"""The README's example on another origin."""
 
 import re
 from collections.abc import Iterator

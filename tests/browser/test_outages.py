@@ -1,4 +1,4 @@
-"""A service that is away: nothing captured is lost, and the page says soon what happens."""
+"""Outages of the service during a capture."""
 
 import re
 from collections.abc import Callable

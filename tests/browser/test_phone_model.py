@@ -1,4 +1,4 @@
-"""Question about an iPhone's model: asked once, answered in the visitor's words, kept in the browser."""
+"""The question about an iPhone's model."""
 
 from playwright.sync_api import Page, expect
 

@@ -1,4 +1,4 @@
-"""Calibration from photographs and from a video: drawn ones, and real ones where CALIBDB_DATA has them."""
+"""Calibration from photos and videos, drawn and real ones."""
 
 from __future__ import annotations
 

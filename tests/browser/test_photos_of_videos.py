@@ -1,4 +1,4 @@
-"""Real videos on the photos page: their board is recognised, and they become a calibration."""
+"""Real videos on the photos page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The whole client on another origin than the API: every request of it asks first whether it may.
+"""The client on another origin than the API.
 
 An HTTP API hands preflights to a function whose route matches them, or answers them itself; both are held.
 """

@@ -1,4 +1,4 @@
-"""Real footage as the camera of the capture page: people who hold still, and do not follow the outline."""
+"""Real footage as the camera of the capture page."""
 
 from __future__ import annotations
 
@@ -138,35 +138,26 @@ def test_mirrored_footage_is_turned_back_by_one_click(
         assert "flipped=true" in page.url
 
 
-@dataclass(frozen=True)
-class Walk:
-    """Footage as it was taken, its frames/s, and its first frame with the board that the page names."""
-
-    file: str
-    rate: int
-    first: int
-    words: str
-
-
 @pytest.mark.thorough
 @pytest.mark.parametrize(
-    "walk",
+    ("file", "rate", "first", "words"),
     [
-        Walk("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco"),
-        Walk("chessboard_uk.avi", 30, 0, "11 × 8 chessboard"),
+        ("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco"),
+        ("chessboard_uk.avi", 30, 0, "11 × 8 chessboard"),
     ],
     ids=["hidden markers", "partly outside"],
 )
 def test_partly_seen_board_is_named_as_a_whole(
-    playwright: Playwright, stack: str, tmp_path: Path, walk: Walk
+    playwright: Playwright, stack: str, tmp_path: Path, file: str, rate: int, first: int, words: str
 ) -> None:
-    frames = stop_and_go.frames_of(data_dir() / "videos" / walk.file)[walk.first :]
-    source = stop_and_go.write(tmp_path / "camera.y4m", [*frames, *frames[::-1]], walk.rate)
+    """Footage as it was taken, from its first frame with the board on."""
+    frames = stop_and_go.frames_of(data_dir() / "videos" / file)[first:]
+    source = stop_and_go.write(tmp_path / "camera.y4m", [*frames, *frames[::-1]], rate)
     with stop_and_go.camera(playwright, stack, source) as page:
         page.goto("/calibrate/")
         page.locator("#start").click()
         page.locator("#reticle:not([hidden])").wait_for()
         page.locator("#use-board").wait_for()
-        expect(page.locator("#remedy")).to_contain_text(walk.words)
+        expect(page.locator("#remedy")).to_contain_text(words)
         page.locator("#use-board").click()
         expect(page.locator("#corners .corner")).not_to_have_count(0)

@@ -1,4 +1,4 @@
-"""Rectified pairs of the SDK: what is drawn on the GPU is what OpenCV makes of the solver's rectification."""
+"""Rectified pairs of the SDK against OpenCV."""
 
 import base64
 import json

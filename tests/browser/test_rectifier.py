@@ -1,4 +1,4 @@
-"""Straightening and distorting on the GPU: right for every model, quick enough, and nothing left behind."""
+"""Rectifier and distorter of the SDK against OpenCV."""
 
 import base64
 import functools

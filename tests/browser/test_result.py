@@ -1,4 +1,4 @@
-"""The page of one calibration: what it says, what it draws, what it hands on."""
+"""The page of a calibration."""
 
 import json
 import re

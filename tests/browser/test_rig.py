@@ -1,4 +1,4 @@
-"""Several cameras calibrated together: of one stream, and across browsers that die or lose the network."""
+"""Calibration of several cameras, with outages."""
 
 import json
 import subprocess

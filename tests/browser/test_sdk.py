@@ -1,4 +1,4 @@
-"""The SDK as applications get it: packed and installed, in a worker, and back from the guidance page."""
+"""The SDK as a package, in a worker, and for AR.js."""
 
 import json
 import re

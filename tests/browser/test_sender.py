@@ -1,4 +1,4 @@
-"""The application that sent somebody to calibrate, and the ways to get a board, on the first sheet."""
+"""The application that a visitor came from."""
 
 import pytest
 from playwright.sync_api import Page, expect

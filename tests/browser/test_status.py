@@ -1,4 +1,4 @@
-"""The status page: live, in words and signs, and standing when everything behind it is down."""
+"""The status page."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Boards of other kinds before the camera: named soon, and no wrong order before that."""
+"""Suggestions of other boards before the camera."""
 
 from __future__ import annotations
 

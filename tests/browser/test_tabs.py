@@ -1,4 +1,4 @@
-"""A capture in one of several tabs, and in one that nobody sees."""
+"""Captures in several tabs."""
 
 import time
 

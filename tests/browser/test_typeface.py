@@ -1,4 +1,4 @@
-"""The typeface of the pages at a first visit, before anything is cached."""
+"""The typeface at a first visit."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""The site as a deployment uploads it: pages find every file under its hashed name."""
+"""The site under the hashed names of a deployment."""
 
 import threading
 from collections.abc import Iterator, Mapping

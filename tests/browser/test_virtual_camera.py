@@ -1,4 +1,4 @@
-"""The whole guided capture, hands-free: a known camera, a board in hands that are not perfect."""
+"""Hands-free captures of the simulated camera."""
 
 import json
 from typing import Any

@@ -1,4 +1,4 @@
-"""WebXR that knows its camera: the browser's own, and on a webcam where that cannot augment reality."""
+"""WebXR on a webcam."""
 
 from typing import Any
 

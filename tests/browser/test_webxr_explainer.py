@@ -1,4 +1,4 @@
-"""The samples of docs/webxr.md, run as they stand there."""
+"""The samples of docs/webxr.md."""
 
 import json
 import re

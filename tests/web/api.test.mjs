@@ -31,7 +31,7 @@ function service(answers) {
   return { api, calls, waits };
 }
 
-test("a lost network and a busy service are waited for, and asked the same again", async () => {
+test("a lost network and a busy service are retried", async () => {
   const { api, calls, waits } = service([
     new OfflineError(),
     json(503, {}),
@@ -120,7 +120,7 @@ test("a programming error is not a lost network", async () => {
   await assert.rejects(api.json("GET", "/session", "sid"), RangeError);
 });
 
-test("what is asked for the first time is said to be, by kind and not by view", async () => {
+test("first requests are reported by kind", async () => {
   const answered = new Set();
   const { api } = service(({ call }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
@@ -168,7 +168,7 @@ test("an expired session is begun anew with the views it had", async () => {
   assert.equal(calls.filter(({ call }) => call === "POST /v1/auth").length, 2);
 });
 
-test("a capture is taken up again with the views it had, also one whose answer was lost", async () => {
+test("a capture resumes with its views, also one whose answer was lost", async () => {
   const taken = new Map();
   let broken = false;
   const { api } = service(({ call, body }) => {
@@ -266,7 +266,7 @@ test("a view not yet sent is taken back without the service", async () => {
   assert.deepEqual([calls.length, capture.waiting], [0, 0]);
 });
 
-test("a module that did not arrive is a lost network, other mistakes of a page are not", () => {
+test("a module that did not arrive is a lost network", () => {
   for (const message of [
     "Failed to fetch dynamically imported module: http://localhost/lib/camera.js", // Chromium
     "error loading dynamically imported module: http://localhost/lib/camera.js", // Firefox

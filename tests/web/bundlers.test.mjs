@@ -32,9 +32,7 @@ globalThis.found = [
 `;
 const EXPECTED = [[370, 240], "function", "function", 16, [0, 0, 0], "function"];
 
-/** Reason why the bundlers are not there; empty where they are. */
 let missing = "";
-/** @type {string} */
 let folder;
 
 before(() => {
@@ -80,7 +78,7 @@ after(() => rmSync(folder, { recursive: true }));
 async function found(path) {
   globalThis.found = null;
   await import(pathToFileURL(path).href);
-  // webpack's entry does not wait for its own modules
+
   for (let turn = 0; turn < 1000 && !globalThis.found; turn++) await new Promise((next) => setTimeout(next));
   return globalThis.found;
 }
@@ -95,7 +93,7 @@ test("it installs into an empty project, with types", () => {
   const { dependencies } = JSON.parse(readFileSync(join(folder, "node_modules/calibdb/package.json"), "utf8"));
   assert.equal(dependencies, undefined);
   assert.ok(existsSync(join(folder, "node_modules/calibdb/LICENSE")));
-  const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
+  const use = (model) => `import { lookup, type Calibration } from "calibdb";
     const key = { camera: "x", platform: "y", img_size: [640, 480] as [number, number], zoom: 0 };
     const { calibration } = await lookup(key, { token: "t", model: ${model} });
     export const known: Calibration | null = calibration;
@@ -105,7 +103,6 @@ test("it installs into an empty project, with types", () => {
       lookup(key, { bundle: new Bundle(JSON.parse(text)), token: text.length ? text : undefined });
     export type Eye = Parameters<typeof applyCalibration>[0];`;
   writeFileSync(join(folder, "use.ts"), use('"fisheye"') + offline);
-  // An error that does not come is one.
   writeFileSync(
     join(folder, "misuse.ts"),
     use("5").replace("const { calib", "// @ts-expect-error a model is no number\n      const { calib"),
@@ -144,7 +141,7 @@ test("it installs into an empty project, with types", () => {
     onmessage = async ({ data }: MessageEvent<CameraKey>) =>
       postMessage((await lookup(data, { token: "t" })).calibration?.camera_matrix);`,
   );
-  const check = (/** @type {string[]} */ files, resolution = "bundler", lib = "es2023,dom") =>
+  const check = (files, resolution = "bundler", lib = "es2023,dom") =>
     run(
       `${root}node_modules/.bin/tsc`,
       ...files,

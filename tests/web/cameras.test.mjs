@@ -77,7 +77,7 @@ test("the difference of two lenses leaves out how the camera was turned", () => 
   assert.equal(longer.px[0].length, 20);
 });
 
-test("the error of a consensus is the spread of those that agree by its model", () => {
+test("the error of a consensus is the spread of its model", () => {
   const member = (fx, model = "rectilinear", in_group = true) => ({
     id: "m",
     time: 0,
@@ -108,7 +108,7 @@ const mode = {
   members: [{ id: "a" }, { id: "b" }, { id: "c" }],
 };
 
-test("a calibration stands with those that agree, once the consensus counts it", () => {
+test("a calibration agrees once the consensus counts it", () => {
   const at = (id) => agreementOf("key", { modes: [mode] }, { id, img_size: [1280, 720], zoom: 0 });
   assert.deepEqual(at("a"), { key: "key", agreeing: 2, required: 5, reliable: false, settled: true });
   assert.equal(at("c").settled, false);
@@ -145,7 +145,7 @@ test("the agreement is polled until the calibration counts", async (t) => {
   assert.equal(told.length, 1);
 });
 
-test("own calibrations are kept once, the newest first, and forgotten one by one or all", (t) => {
+test("own calibrations are kept once, the newest first", (t) => {
   const kept = keepHere(t);
   const own = (id) => ({ id, camera: "C920", img_size: [1280, 720], time: 1, level: "good", rms: 0.1 });
   for (const id of ["a", "b", "a"]) keepOwn(own(id));
@@ -205,7 +205,7 @@ test("identifiers are Apple's, and none stands for two models", () => {
   assert.ok(ids.length > 35);
 });
 
-test("nothing is asked of other devices, and what the screen says alone is taken", async (t) => {
+test("only ambiguous iPhones are asked about", async (t) => {
   const kept = keepHere(t);
   assert.equal(await askPhoneModel(signal, { userAgent: MAC, screen: air }), "");
   assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: { width: 1, height: 2, ratio: 3 } }), "");

@@ -61,8 +61,6 @@ for (const room of [true, false]) {
   });
 }
 
-// Return of the service to a capture: attempts to reconnect, and the views that were stored meanwhile.
-
 const FIRST_PAUSE_MS = 1_000;
 
 /**
@@ -97,7 +95,6 @@ function away(t, storedMeanwhile, renewals = 0) {
   return { attempts, events, browser };
 }
 
-/** Lets all that waits for nothing but promises run. */
 const settle = () => new Promise((resolve) => setImmediate(resolve));
 
 test("views that are stored while earlier ones are sent follow at once", async (t) => {
@@ -124,7 +121,7 @@ test("a network that is back is used at once", async (t) => {
   );
 });
 
-test("a session that took the place of an expired one during an outage is reported", async (t) => {
+test("a session renewed during an outage is reported", async (t) => {
   const { events, browser } = away(t, [0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
@@ -136,7 +133,6 @@ test("a session that took the place of an expired one during an outage is report
 
 let fresh = 0;
 
-/** Bodies of POST /session that both kinds of capture send, with the consent that is kept now. */
 async function started() {
   // The choice is read once a page: another page is another module.
   const page = `?${fresh++}`;

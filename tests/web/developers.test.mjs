@@ -16,7 +16,6 @@ const token = (id, more = {}) => ({
   api: API,
   ...more,
 });
-/** A storage, be it full. */
 const storage = (full = false) => {
   const content = new Map();
   return {
@@ -93,7 +92,7 @@ test("tokens are kept at once, the newest first, and over the one with their id"
   );
 });
 
-test("a browser that keeps nothing is told from one that does, and the page goes on", () => {
+test("a browser without storage keeps tokens for the page", () => {
   for (const place of [null, storage(true)]) {
     const kept = new KeptTokens(place);
     assert.equal(kept.keep(token("one")), false);

@@ -18,7 +18,6 @@ const POSES = [
 ];
 const painter = new Painter(DEFAULT_BOARD, LENS, SIZE);
 const foundAt = (pose) => cornersSeen(DEFAULT_BOARD, LENS, pose);
-/** Pictures that were painted, each once. */
 const painted = new Map();
 function seen(pose, spoilt = () => {}) {
   if (!painted.has(pose)) {

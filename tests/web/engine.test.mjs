@@ -1,4 +1,3 @@
-// Capture engine over cameras, a detector and a page that are made up.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
@@ -45,7 +44,6 @@ const detectorOf = (...answers) => ({
   },
 });
 
-/** A page that stops after so many rounds; `log` has the calls of the engine. */
 function pageOf(t, rounds, more = {}) {
   setGlobals(t, { document: { hidden: false } });
   const log = [];
@@ -74,7 +72,6 @@ function pageOf(t, rounds, more = {}) {
   return page;
 }
 
-/** An engine that is given these detectors, one after the other. */
 const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
@@ -114,7 +111,7 @@ test("a turned device is reported before its images are looked at", async (t) =>
   assert.deepEqual(page.log, ["resized"]);
 });
 
-test("a view is searched thoroughly; a jerk, blur and another size are refused", async (t) => {
+test("a view with a jerk, blur or another size is refused", async (t) => {
   const taken = async (view, lenience) => {
     const camera = { stream: streamOf(), half: 0 };
     const detector = detectorOf(detection(), detection(), view);
@@ -137,7 +134,7 @@ test("a view is searched thoroughly; a jerk, blur and another size are refused",
   assert.deepEqual((await taken(detection({ size: [720, 1280] }))).log.slice(-1), ["resized"]);
 });
 
-test("the focus of a camera is locked once, when the board has been held before it", async (t) => {
+test("focus is locked once, after a hold", async (t) => {
   const stream = streamOf();
   let focused = 0;
   const start = performance.now();
@@ -150,7 +147,7 @@ test("the focus of a camera is locked once, when the board has been held before 
   assert.deepEqual([stream.locked, focused], [1, 1]);
 });
 
-test("other boards are looked for while the page wants it and no corner is seen", async (t) => {
+test("other boards are searched while no corner is seen", async (t) => {
   const searched = async (found, isSearched) => {
     const detector = detectorOf(found);
     let looks = 0;
@@ -178,7 +175,7 @@ test("other boards are looked for while the page wants it and no corner is seen"
   assert.deepEqual(await searched(detection(), true), []);
 });
 
-test("the detector of a page is made once, and again after it has failed or was closed", async () => {
+test("the detector is opened once, and again after a failure", async () => {
   const made = [];
   const detector = new PageDetector(async () => {
     const one = { closed: false, close: () => (one.closed = true) };

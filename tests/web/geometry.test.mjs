@@ -114,7 +114,7 @@ test("black rectangles do not overlap and stay on the board", () => {
   assert.equal(markers(DEFAULT_BOARD).length, 27);
 });
 
-test("a dictionary that is unknown, or too small for the board, is refused by name", () => {
+test("an unknown or small dictionary is refused by name", () => {
   assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, dictionary: "DICT_9X9_50" }), /DICT_9X9_50/);
   assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, squares: [20, 20] }), /DICT_4X4_50 has 50 markers/);
 });
@@ -137,7 +137,7 @@ test("a board that cannot be is named, and the default taken", () => {
   }
 });
 
-test("the dictionaries are those that the service takes, in the sizes of their tables", () => {
+test("the dictionaries are the service's", () => {
   const { components } = JSON.parse(readFileSync(new URL("../../.build/openapi.json", import.meta.url), "utf8"));
   assert.deepEqual(DICTIONARIES, components.schemas.Board.properties.dictionary.enum);
   for (const name of DICTIONARIES) {

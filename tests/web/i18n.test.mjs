@@ -159,7 +159,7 @@ test("German and Ukrainian visitors are led to their pages", () => {
   assert.equal(visit("/board/", { preferred: ["en", "de"] }), null);
 });
 
-test("a choice made before is kept, and an address with a language decides", () => {
+test("an address with a language overrides the stored choice", () => {
   assert.equal(visit("/board/", { kept: "de" }), "/de/board/");
   assert.equal(visit("/board/", { kept: "en", preferred: ["de"] }), null);
   assert.equal(visit("/de/board/", { kept: "uk", preferred: ["en"] }), null);

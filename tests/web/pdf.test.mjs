@@ -45,7 +45,6 @@ test("the page is A4 and the board on it true to scale", () => {
       assert.ok(Math.abs(is - should) < 2e-3, `rectangle ${index}: ${is}, not ${should} points`);
     }
   });
-  // The scale bar.
   assert.ok(rectangles.slice(expected.length).some(([, , w]) => Math.abs(w - (100 * 72) / 25.4) < 1e-3));
 });
 

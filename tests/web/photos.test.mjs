@@ -7,7 +7,6 @@ import { questionOf } from "../../web/photos/likely.js";
 import { sortByGain, rankByNovelty } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
 
-/** A TIFF block with what a camera writes. */
 function tiff({
   little,
   make = "Canon",
@@ -277,7 +276,7 @@ test("views that are too few are not stored; what would help is asked for", asyn
   assert.ok(!calls.includes("POST /session/finish"));
 });
 
-test("a file that cannot be read is told apart by its name where it has no type", () => {
+test("unreadable files are classified by type, then name", () => {
   const codes = [
     ["a.HEIC", ""],
     ["b.nef", "image/x-nikon-nef"],
@@ -292,7 +291,7 @@ test("a file that cannot be read is told apart by its name where it has no type"
   );
 });
 
-test("the first photograph that names its camera is asked for, with what it reports", () => {
+test("the first photo that names its camera is looked up", () => {
   const nameless = {
     name: "a",
     camera: "",

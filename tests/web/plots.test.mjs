@@ -61,7 +61,7 @@ test("the lens profile is dashed beyond the measured corners", (t) => {
 
 test("displacements start at the pinhole of the focal length", () => {
   // Equidistant, r = f t, and stereographic, r = 2 f tan(t / 2), which is xi = 1: from f tan t.
-  const grid = /** @type {[number, number]} */ ([17, 11]);
+  const grid = [17, 11];
   const f = 800;
   const [u, v] = [639.5 - 1280 / 34 + 0.5, 359.5 - 720 / 22 + 0.5];
   const radius = Math.hypot(u, v);
@@ -131,7 +131,7 @@ test("the error map's bands and numbers are at their values", (t) => {
   }
 });
 
-test("values between centres are linear, and go on as they are to the edge", () => {
+test("values are linear between centres, constant at the edge", () => {
   const px = [
     [1, 2],
     [3, 4],

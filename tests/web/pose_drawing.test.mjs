@@ -9,7 +9,6 @@ const POSE = { rvec: [0.3, -0.4, 0.05], tvec: [-5.5, -3.5, 9] };
 /** A lens whose model folds the edge of the board back: a fit of few views may say that. */
 const FOLDING = projectionOf({ fx: 900, fy: 900, cx: 640, cy: 360, k1: -0.5, k2: 0.1, p1: 0, p2: 0, k3: 0 });
 
-/** @param {number[]} point @param {number[][]} polygon */
 function isInside([x, y], polygon) {
   let inside = false;
   polygon.forEach(([x1, y1], n) => {

@@ -1,5 +1,3 @@
-// Rigs in the SDK: read, turned into poses, views and rectified pairs.
-// On the GPU: tests/browser/test_rectified_pair.py.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
@@ -36,7 +34,6 @@ const RESULT = {
   board_poses: [{ moment: "m1", rvec: [0.1, 0, 0], tvec: [-4, -3, 12] }],
 };
 const difference = (a, b) => Math.max(...a.flat().map((value, at) => Math.abs(value - b.flat()[at])));
-/** Options of a service that gives one answer, and what it was asked. */
 function service(answer) {
   const asked = [];
   const fetch = async (url, { headers, method = "GET" }) => {
@@ -46,7 +43,7 @@ function service(answer) {
   return { asked, options: { token: "cdb_a_b", api: "https://calibdb.example/v1", fetch, pause: async () => {} } };
 }
 
-test("a rig is read with the calibrations of its cameras and the poses between them", async () => {
+test("a rig has calibrations and poses", async () => {
   const { asked, options } = service(json(200, RESULT));
   const found = await rig(ID, options);
   assert.deepEqual(asked, [["GET", `https://calibdb.example/v1/rigs/${ID}/result`, "Bearer cdb_a_b"]]);
@@ -86,7 +83,7 @@ test("poses lead from any camera to any other, there and back", () => {
   assert.ok(difference(multiply(a.r, invert(a).r), [1, 0, 0, 0, 1, 0, 0, 0, 1]) < 1e-15);
 });
 
-test("a rig in squares becomes one in metres, and asks how large a square is", () => {
+test("a rig in squares becomes one in metres", () => {
   const found = new Rig(RESULT);
   const metres = found.toMetres(0.03);
   assert.ok(metres instanceof Rig && metres.unit === "metres" && found.unit === "squares");
@@ -248,7 +245,7 @@ test("views of both eyes see the world as their cameras do", () => {
   assert.ok(Math.abs(Math.hypot(x, y, z, w) - 1) < 1e-12);
 });
 
-test("the left eye is the one on the left, and both move with the pose that is told", () => {
+test("the left eye is on the left, and both follow a pose", () => {
   const { r, t } = invert(rigidMotion(REAL.pose));
   const swapped = new Rig({
     ...RESULT,

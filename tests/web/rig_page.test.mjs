@@ -47,7 +47,7 @@ test("a view needs a board that was still before its moment was opened", () => {
   assert.equal(answer(BLIND, { unopenedAt: 1_500, seenAt: 2_000 }, 2_000), "miss");
 });
 
-test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still one", () => {
+test("a hand at 5 cm/s is not still after 200 ms", () => {
   // 60 cm before a camera of 1,000 px: 83 px/s, which is 4 px from one frame to the next.
   let sight = sightOf(0, 1_000);
   for (let time = 1_050, x = 0; time < 2_000; time += 50)
@@ -93,7 +93,7 @@ function boxOf(answers, letters = []) {
   return { box, log, saved };
 }
 
-test("what was captured is delivered in order, and waits while the service is away", async () => {
+test("captured views are delivered in order", async () => {
   const { box, log, saved } = boxOf([{}, new OfflineError(), new ApiError(503, {}), {}, {}]);
   box.post(...LETTERS);
   const sending = box.flush();
@@ -263,7 +263,7 @@ test("a board seen by any camera of the rig is found where it is", () => {
   assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
 });
 
-test("a stereo camera's picture is cut in halves, whose cameras have names of their own", () => {
+test("the halves of a stereo picture are named cameras", () => {
   assert.deepEqual(placeOf("right", [2560, 720]), { size: [1280, 720], offset: [1280, 0] });
   assert.deepEqual(placeOf("bottom", [641, 961]), { size: [641, 480], offset: [0, 481] });
   assert.deepEqual(placeOf(null, [640, 480]), { size: [640, 480], offset: [0, 0] });

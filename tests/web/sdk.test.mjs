@@ -172,7 +172,7 @@ test("anything else is an error with its status and the service's words", async 
   );
 });
 
-test("what passes is asked again, later each time, as patiently as the service asks for", async () => {
+test("passing failures are retried with growing pauses", async () => {
   const { waits, options } = service(
     new TypeError("no network"),
     json(503, {}),
@@ -282,7 +282,7 @@ test("it stops when it is told to, on the line and between attempts", async () =
   await assert.rejects(lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }), { name: "AbortError" });
 });
 
-test("a camera is asked for once a tab; what is not known is asked for again", async () => {
+test("a known camera is looked up once per tab", async () => {
   const cache = storage();
   const estimate = json(200, { calibration: null, ...MISS, estimate: LIKELY });
   const { asked, options } = service(estimate, json(200, KNOWN));
@@ -299,7 +299,7 @@ test("a camera is asked for once a tab; what is not known is asked for again", a
   assert.ok((await lookup(KEY, { ...options, cache: FULL })).calibration);
 });
 
-test("a wish that what is known does not fulfil leads to the guidance page", async () => {
+test("an unmet wish leads to the guidance page", async () => {
   const other = { ...KNOWN, exact_size: false };
   const answer = await lookup(KEY, { ...service(json(200, other)).options, exact: true });
   assert.deepEqual([answer.calibration, answer.reason], [null, "other_size"]);
@@ -526,7 +526,7 @@ test("a known camera is one GET without headers, and nothing else", async () => 
   );
 });
 
-test("an unknown camera is asked of the service, and of the edge once an hour and tab", async () => {
+test("the edge is asked once per hour and tab", async () => {
   const cache = storage();
   const { kept } = cache;
   const { paths, options } = site({});
@@ -561,7 +561,7 @@ test("during an outage known cameras are still found", async () => {
   await assert.rejects(lookup(KEY, forbidden.options), { status: 403, message: "The API token is not valid." });
 });
 
-test("an edge that fails, or answers with something else, does not block a lookup", async () => {
+test("a failing edge does not block a lookup", async () => {
   const failures = [
     () => {
       throw new TypeError("CORS");
@@ -577,7 +577,7 @@ test("an edge that fails, or answers with something else, does not block a looku
   }
 });
 
-test("a slow edge is overtaken by the service, and a slow service by the edge", async () => {
+test("the faster of edge and service answers", async () => {
   const never = ({ signal }) =>
     new Promise((_, reject) => {
       if (signal?.aborted) reject(signal.reason);
@@ -637,7 +637,7 @@ const FILE = {
 const BUNDLED = { camera: "C920", platform: "Windows NT 10.0; Win64; x64; rv:140.0", img_size: [1280, 720], zoom: 0 };
 const bundle = new Bundle(FILE);
 
-test("a camera that came with the application needs no token and no network", async () => {
+test("a bundled camera needs no token and no network", async () => {
   const { calibration, guidanceUrl } = await lookup(BUNDLED, { bundle, cache: null });
   assert.deepEqual([calibration.camera_matrix[0], calibration.exact_size, guidanceUrl], [[1000, 0, 640], true, null]);
   assert.deepEqual(calibration.project([0, 0, 1]), [640, 360]);

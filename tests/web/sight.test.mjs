@@ -10,7 +10,6 @@ import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sig
 
 const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
 
-/** Positions at 20 frames a second. */
 const watch = (positions, width = 1280) =>
   positions.reduce((state, x, index) => observe(state, at(x), 50 * index, width), MOVING);
 
@@ -37,7 +36,7 @@ test("the limit scales with the width of the image", () => {
   assert.equal(watch([100, 101.5, 100], 640).frames, 0);
 });
 
-test("a smeared frame is passed over in a hold, not before one, and not for long", () => {
+test("a smeared frame is passed over in a hold", () => {
   const held = watch([100, 100, 100]);
   const nothing = { ids: [], points: [] };
   const passed = observe(held, nothing, 150, 1280);
@@ -136,7 +135,7 @@ const box = (x, y, w, h) => [
   [x, y + h],
 ];
 
-test("areas overlap as geometry has it, within the picture, whichever way they wind", () => {
+test("areas overlap within the picture, in either winding", () => {
   const board = box(300, 200, 300, 200);
   const diamond = [
     [640, 160],
@@ -194,7 +193,7 @@ const after = (expected, ...sightings) => {
   return sightings.map((sighting, n) => watch.add(sighting, expected, 1000 * n)).at(-1);
 };
 
-test("another board is suggested once two looks agree, and the expected one is not", () => {
+test("another board is suggested once two looks agree", () => {
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7])), null);
   const found = after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]));
   assert.deepEqual([found.board.kind, found.board.squares, found.isCut], ["chessboard", [10, 7], false]);
@@ -202,7 +201,7 @@ test("another board is suggested once two looks agree, and the expected one is n
   assert.equal(after(DEFAULT_BOARD, nothing, nothing, nothing), null);
 });
 
-test("a board that may go on beyond the picture's edge is said to be cut off", () => {
+test("a board at the picture's edge is cut off", () => {
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7], [20, 200]), chessboard([10, 7], [20, 200])).isCut, true);
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut, true);
 });
@@ -213,7 +212,7 @@ test("parts of the expected board are not another board", () => {
   assert.equal(after(DEFAULT_BOARD, marked, marked), null);
 });
 
-test("a mirrored picture is trouble of its own, be the board the expected one", () => {
+test("a mirrored picture is trouble of its own", () => {
   const found = after(
     DEFAULT_BOARD,
     charuco(DEFAULT_BOARD, { mirrored: true }),

@@ -150,7 +150,7 @@ test("only a refused pose is sent again", () => {
   assert.deepEqual([decide(back(null), 11_000), back(null).capture.repeats], [null, 1]);
 });
 
-test("a view that was taken off the target is said to be, with what helps more", () => {
+test("a view off the target is reported", () => {
   const view = { ...VIEW, on_target: false };
   const taken = (views) => answered(capturing(), { views }).ui.notice.key;
   assert.equal(taken([view]), "capture.view_taken_aside");
@@ -171,7 +171,7 @@ test("a refused target is skipped after 1 s, or 3 s with a reason to read", () =
   assert.equal(decide(elsewhere, 14_000), null);
 });
 
-test("an accepted view takes the target away, and progress never falls but by undo", () => {
+test("progress only falls by undo", () => {
   const views = [VIEW];
   const taken = answered(capturing(frames(frame(THERE), HOLD_MS)), { views, progress: 0.5 }, 600);
   assert.deepEqual(
@@ -193,20 +193,19 @@ test("convergence ends the capture", () => {
   assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
 });
 
-test("a target not reached for 15 s is given up, unless no board is in sight", () => {
+test("a target not reached for 15 s is skipped", () => {
   const state = capturing(frames(frame(FACING), 200));
   assert.equal(decide(state, 14_999), null);
   assert.equal(decide(state, 15_001), "skip");
   assert.equal(decide(capturing(frames(NOTHING, 200)), 60_000), null);
 });
 
-/** Frames without a board, and looks for another one, every 500 ms */
 const missed = (until) =>
   frames(NOTHING, until).flatMap((event) =>
     event.time % 500 === 0 ? [event, { type: "looked", suggestion: null, time: event.time }] : [event],
   );
 
-test("a board that is missed for less than three looks is looked for, not asked for", () => {
+test("a board is asked for after three looks without it", () => {
   const code = (events) => capturing(events).ui.instruction.code;
   assert.deepEqual(
     [400, 1400, 1900].map((until) => code(missed(until))),
@@ -311,7 +310,7 @@ test("who comes nearer, slowly, keeps the target", () => {
   assert.equal(decide(slow, slow.capture.nearest.time + 15_001), "skip");
 });
 
-test("without the service, views are kept and counted, and the target is the page's own", () => {
+test("offline views are kept and counted", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
   const away = reduce(held, { type: "offline", stored: 1 });
   assert.deepEqual([away.link.offline, away.link.stored, away.sight.target, away.ui.notice], [true, 1, null, null]);
@@ -397,7 +396,7 @@ test("a view that is set aside later is said to be, once", () => {
   assert.equal(second.ui.notice.key, "capture.view_taken");
 });
 
-test("a board of the other layout is taken as such while nothing is lost by it", () => {
+test("a board of the other layout is accepted before the first view", () => {
   const legacy = (stored) => {
     const { sight, link, ...rest } = capturing();
     return {
@@ -416,7 +415,7 @@ test("the time in a hidden tab does not count", () => {
   assert.equal(state.sight.stillness.held, 0);
 });
 
-test("a picture of another size ends the capture, and nothing of it is ever sent", () => {
+test("a picture of another size ends the capture", () => {
   const turned = { ...frame(THERE), size: [720, 1280] };
   const held = capturing(frames(frame(THERE), HOLD_MS));
   assert.equal(decide(held, HOLD_MS), "submit");
@@ -437,13 +436,13 @@ test("starting over keeps the cameras and forgets the rest", () => {
   );
 });
 
-test("a device too slow to colour the picture stays so, whatever is begun anew", () => {
+test("a slow device stays slow", () => {
   const slow = reduce(capturing(), { type: "slow" });
   assert.equal(slow.ui.plain, true);
   assert.equal(reduce(slow, { type: "open" }).ui.plain, true);
 });
 
-test("the notice that a capture is opened with is shown once the capture runs", () => {
+test("an opening notice is shown once the capture runs", () => {
   const notice = { key: "capture.resized", kind: "plain" };
   const opening = reduce(capturing(), { type: "open", notice });
   assert.deepEqual([opening.ui.notice, opening.ui.openingNotice], [null, notice]);
@@ -480,7 +479,7 @@ test("the target's squares are gone before the board lies on them", () => {
   assert.ok(at(0, 1) < at(0), "who has taken a view knows what a target is");
 });
 
-test("a capture can be ended by hand from four views, whatever they are worth", () => {
+test("a capture can be ended by hand from four views", () => {
   const having = (count, rms, more = {}) =>
     isFinishable({
       capture: {
@@ -504,7 +503,6 @@ const camera = ([width, height], k1, k2 = 0, f = 0.8) => ({
   distortion_model: "rectilinear",
 });
 
-/** Does a polygon turn one way all round? */
 function isConvex(vertices) {
   const turns = vertices.map(([x, y], index) => {
     const [[a, b], [c, d]] = [vertices[(index + 1) % 4], vertices[(index + 2) % 4]];
@@ -582,7 +580,7 @@ test("an offline target has one size for every model", () => {
   }
 });
 
-test("a model that this page does not know is drawn as by the plan's own camera", () => {
+test("an unknown model is drawn by the plan's own camera", () => {
   const unknown = { ...camera([1280, 720], 0), distortion_model: "double-sphere" };
   assert.deepEqual(
     nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], unknown),

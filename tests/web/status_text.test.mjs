@@ -14,7 +14,6 @@ const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
 const C920 = { id: "b", label: "C920", named: true };
 const wanted = { camera: "C920", img_size: [1280, 720], distortion_model: "rectilinear" };
 const fresh = initial(DEFAULT_BOARD, wanted);
-/** A state with changes of its parts. */
 const having = (changes, state = fresh) => ({
   ...state,
   ...Object.fromEntries(Object.entries(changes).map(([part, change]) => [part, { ...state[part], ...change }])),
@@ -22,7 +21,7 @@ const having = (changes, state = fresh) => ({
 const state = having({ ui: { cameras: [BUILT_IN, VIRTUAL] } });
 const key = { camera: "C920", platform: "X11", img_size: [1280, 720], zoom: 0 };
 
-test("the camera asked for is proposed, and the virtual one never in its place", () => {
+test("the requested camera is proposed, never the virtual one", () => {
   assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", ""), "b");
   assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", "a"), "a");
   assert.equal(propose([BUILT_IN, VIRTUAL], "C920", ""), "a");
@@ -32,7 +31,7 @@ test("the camera asked for is proposed, and the virtual one never in its place",
   assert.equal(propose([VIRTUAL], null, "virtual"), "virtual");
 });
 
-test("a camera that is not there is said not to be, as soon as names are known", () => {
+test("a missing camera is reported once names are known", () => {
   assert.equal(
     statusText.wanted(state),
     "This page was opened for C920 at 1280\u00a0×\u00a0720. That camera is not connected here.",
@@ -49,7 +48,7 @@ test("a camera that is not there is said not to be, as soon as names are known",
   assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
 });
 
-test("another camera, or another size, than was asked for is said to be opened", () => {
+test("another camera or size than requested is reported", () => {
   assert.equal(statusText.cameraMismatch(having({ capture: { key } })), "");
   assert.match(
     statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })),
@@ -78,7 +77,7 @@ test("all that is sent is shown, as it is sent", () => {
   assert.match(facts.Board, /^9 × 6 squares, DICT_4X4_50/);
 });
 
-test("what has happened is said once, what is to be done whenever it changes", async () => {
+test("news are announced once, instructions on change", async () => {
   const place = { textContent: "" };
   const announcer = new Announcer(place, 5);
   announcer.say("Closer", "View 1 taken.");

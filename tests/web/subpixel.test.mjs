@@ -44,7 +44,7 @@ test("a flat patch and the image's edge hold no corner", () => {
   assert.equal(refineCorner(image, 2, 30, 4), null);
 });
 
-test("squares are measured between neighbours of one row, never across the board's edge", () => {
+test("squares are measured between neighbours", () => {
   // Corners 7 and 8 of a board of 8 a row follow each other by number and lie at opposite ends.
   assert.deepEqual(
     squareSizes(
@@ -88,7 +88,7 @@ function drawn(family, id, { border = 1, quarters = 0, mirrored = false } = {}) 
   };
 }
 
-test("a marker is read in every turn, mirrored, and with the border that Kalibr prints", () => {
+test("a marker is read turned, mirrored and with Kalibr's border", () => {
   for (const [family, id, border] of [
     ["DICT_4X4_1000", 7, 1],
     ["DICT_6X6_1000", 123, 1],

@@ -28,7 +28,6 @@ function film({ rate, count, capacity }) {
     },
   };
   let [at, lastFrame, budget] = [0, 0, 0];
-  /** One refresh of the screen. */
   const tick = () => {
     if (video.paused) return;
     video.played += 1 / SCREEN_HZ;

@@ -16,7 +16,7 @@ const rms = (a, b) =>
   Math.sqrt(a.reduce((sum, [x, y], i) => sum + (x - b[i][0]) ** 2 + (y - b[i][1]) ** 2, 0) / a.length);
 const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });
 
-test("the board covers its outline, also where it was drawn for another lens", () => {
+test("the board covers an outline drawn for another lens", () => {
   const drawn = { ...LENS, fx: 1000, fy: 1000, cx: 639.5, cy: 359.5, k1: 0, k2: 0 };
   const target = { ...TARGET, ids, corners: see(drawn, TARGET, CORNERS) };
   assert.ok(rms(see(LENS, TARGET, CORNERS), target.corners) > 60, "the numbers alone lead far away");
@@ -25,7 +25,7 @@ test("the board covers its outline, also where it was drawn for another lens", (
   assert.deepEqual(matchPose(DEFAULT_BOARD, LENS, TARGET), { rvec: TARGET.rvec, tvec: TARGET.tvec });
 });
 
-test("a hand arrives when it says, and trembles there as much as it is said to", () => {
+test("a hand arrives on time and trembles as specified", () => {
   for (const [kind, { travel, tremor, sway, astray }] of Object.entries(HANDS)) {
     const one = hand(kind);
     one.follow(TARGET, 1000);
@@ -50,7 +50,7 @@ test("a hand that goes astray is on the other side first", () => {
   assert.ok(Math.abs(side(6_000) - goal) < 0.05);
 });
 
-test("where a hand goes hangs on its targets, not on how many frames were painted", () => {
+test("a hand's way does not depend on painted frames", () => {
   const [seldom, often] = ["person", "person"].map((kind) => hand(kind, 1));
   for (let i = 0; i < 50; i++) often.blur();
   for (const each of [seldom, often]) each.follow(TARGET, 1000);

@@ -59,10 +59,8 @@ const say = ({ cameraMatrix, distortionCoefficients, distortionModel }) => [
 ];
 const views = ({ XRFrame }, session) => new XRFrame(session).getViewerPose().views;
 const look = (global, session) => say(views(global, session)[0]);
-/** Wait until pending promises have settled. */
 const settled = () => new Promise((done) => setImmediate(done));
 
-/** A browser with a session, and a provider whose answers the test gives. */
 function running(options = {}) {
   const global = browser();
   const calls = [];
@@ -76,7 +74,7 @@ function running(options = {}) {
   return { global, session: new global.XRSession(), calls, again };
 }
 
-test("views say nothing until the calibration is there, and then what it says", async () => {
+test("views are empty until the calibration arrives", async () => {
   const { global, session, calls } = running();
   assert.deepEqual(look(global, session), NOTHING);
   assert.deepEqual(
@@ -95,7 +93,7 @@ test("views say nothing until the calibration is there, and then what it says", 
   }
 });
 
-test("a view keeps what it said in its frame, whatever is written into another", async () => {
+test("views are independent", async () => {
   const { global, session, calls } = running();
   const [early] = views(global, session);
   calls[0].resolve(PLAIN);
@@ -108,7 +106,7 @@ test("a view keeps what it said in its frame, whatever is written into another",
   assert.deepEqual(look(global, session)[0], MATRIX);
 });
 
-test("another model is asked for once and seen later; what is overtaken is dropped", async () => {
+test("another model is requested once, stale answers are dropped", async () => {
   const { global, session, calls } = running();
   look(global, session);
   session.updateRenderState({ distortionModel: "fisheye", depthNear: 2 });
@@ -126,7 +124,7 @@ test("another model is asked for once and seen later; what is overtaken is dropp
   assert.deepEqual(look(global, session), [MATRIX, FISHEYE.distortion_coefficients, "fisheye"]);
 });
 
-test("models are an enumeration: other names are a TypeError, and nothing is changed", () => {
+test("unknown models are a TypeError and change nothing", () => {
   const { global, session, calls } = running();
   for (const distortionModel of ["Fisheye", "", "toString", "constructor", null, 7, Symbol("fisheye")]) {
     assert.throws(() => session.updateRenderState({ depthNear: 2, distortionModel }), TypeError);
@@ -196,7 +194,7 @@ test("a provider that throws at once is like one that rejects", async () => {
   assert.deepEqual(told, ["at once"]);
 });
 
-test("two sessions have a model each, and one that has ended is no longer asked about", async () => {
+test("two sessions have a model each", async () => {
   const { global, session, calls, again } = running();
   const other = new global.XRSession();
   other.updateRenderState({ distortionModel: "fisheye" });
@@ -238,7 +236,7 @@ test("a second call changes the provider and wraps nothing twice", async () => {
   assert.equal(calls.length, 1);
 });
 
-test("two eyes are two cameras, and a view without an eye is the left one's", async () => {
+test("two eyes are two cameras", async () => {
   const { global, session, calls } = running({ holds: ({ img_size: [width] }) => width === 640 });
   session.seen = [{ eye: "left" }, { eye: "right" }, { eye: "none" }];
   look(global, session);

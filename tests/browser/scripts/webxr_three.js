@@ -30,7 +30,7 @@ const run = async () => {
     }
     context.fillStyle = "#000000";
   });
-  await new Promise((onAnswer) => useCamera(video, { token: "cdb_dev_local", rectify, onAnswer }));
+  await new Promise((onAnswer) => useCamera(video, { token: "cdb_dev_local", rectify: true, onAnswer }));
   const renderer = await application(points);
   const button = document.getElementById("ARButton");
   while (button.textContent !== "START AR") await new Promise(requestAnimationFrame);
