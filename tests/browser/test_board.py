@@ -168,7 +168,7 @@ def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag:
 
 
 @pytest.mark.thorough
-def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
+def test_boards_of_every_dictionary_are_found(page: Page) -> None:
     page.goto("/board/")
     offered = page.locator("#dictionary option").all_text_contents()
     kinds = [name for name in offered if name.endswith("_1000") or "APRILTAG" in name]
@@ -180,7 +180,7 @@ def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Pag
         assert np.abs(np.array(found) - corners).max() < 0.05, name
 
 
-def test_another_device_is_shown_the_way_by_qr_codes(page: Page) -> None:
+def test_qr_codes_lead_to_another_device(page: Page) -> None:
     page.add_init_script("delete Element.prototype.requestFullscreen")
     page.goto("/board/?squares=8x5")
     page.locator("#qr path").wait_for(state="attached")

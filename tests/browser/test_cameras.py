@@ -122,7 +122,7 @@ def test_two_calibrations_are_compared(page: Page) -> None:
     picture(page, "camera-compared", ["hand"], full=True)
 
 
-def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None:
+def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     answer(page, "**/v1/cameras/*", camera)
     for name in ("a", "c1-example"):
         answer(page, f"**/v1/calibrations/{name}", result_of_camera)

@@ -40,7 +40,7 @@ HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"
 
 
 @pytest.mark.parametrize("seconds", [2, *thorough(60)])
-def test_capture_speaks_fits_waits_while_hidden_and_obeys_the_keyboard(page: Page, seconds: int) -> None:
+def test_capture_speaks_waits_while_hidden_and_obeys_keys(page: Page, seconds: int) -> None:
     sent: list[str] = []
     page.add_init_script(PATIENT)
     listen(page)

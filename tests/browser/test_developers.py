@@ -49,7 +49,7 @@ def developer(context: BrowserContext, stack: str) -> Page:
     return page
 
 
-def test_from_the_landing_page_to_a_lookup_on_another_origin(
+def test_from_landing_page_to_lookup_elsewhere(
     developer: Page, stack: str, known: dict[str, Any], tmp_path: Path
 ) -> None:
     page = developer

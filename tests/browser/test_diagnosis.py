@@ -43,7 +43,7 @@ def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
 
 
 @pytest.mark.thorough
-def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page) -> None:
+def test_a_board_of_the_older_layout_is_recognised(page: Page) -> None:
     begun = sessions(page)
     listen(page)
     page.goto(capture_page(shown_legacy="true"))
@@ -54,7 +54,7 @@ def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page)
 
 
 @pytest.mark.thorough
-def test_a_different_board_can_be_used_or_the_right_one_be_shown(page: Page) -> None:
+def test_a_different_board_can_be_used(page: Page) -> None:
     listen(page)
     page.goto(capture_page(shown_dictionary="DICT_5X5_100"))
     page.locator("#instruction", has_text="This is a different board").wait_for()

@@ -53,7 +53,7 @@ def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[st
         yield address.replace("127.0.0.1", "localhost")
 
 
-def test_quickstart_ends_with_a_page_that_knows_its_camera(
+def test_quickstart_ends_with_a_known_camera(
     context: BrowserContext, quickstart: str, stack: str, api: httpx.Client
 ) -> None:
     page = context.new_page()
@@ -83,7 +83,7 @@ def script(source: str) -> str:
     return "\n".join([*codes, "globalThis.done = true;"])
 
 
-def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack: str) -> None:
+def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> None:
     page = context.new_page()
     errors = uncaught(page)
     page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
@@ -122,7 +122,7 @@ def send(html: str, route: Route) -> None:
 
 
 @pytest.mark.parametrize("tampered", [False, True])
-def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
+def test_pinned_sdk_runs_unchanged_or_not_at_all(
     context: BrowserContext, stack: str, tmp_path: Path, tampered: bool
 ) -> None:
     manual = httpx.get(f"{stack}/docs/sdk/").text
@@ -152,7 +152,7 @@ def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
         assert page.evaluate("globalThis.found") == (None if tampered else "function")
 
 
-def test_search_finds_and_calls_can_be_tried_with_ones_own_token(page: Page, token: dict[str, Any]) -> None:
+def test_search_and_calls_with_an_own_token(page: Page, token: dict[str, Any]) -> None:
     kept = [
         {
             "id": token["id"],

@@ -115,7 +115,7 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
         picture(page, f"example-{engine}", ["hand"], full=True)
 
 
-def test_a_refused_camera_is_released_and_an_unknown_one_has_an_estimate(
+def test_a_refused_camera_is_released_an_unknown_one_estimated(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()
@@ -153,7 +153,7 @@ def test_depth_of_a_rectified_pair_is_the_boards(page: Page) -> None:
     expect(depth).to_contain_text("as the cameras deliver them")
 
 
-def test_examples_have_a_page_of_all_and_say_nothing_of_a_camera_they_lack(page: Page) -> None:
+def test_gallery_of_examples_without_a_camera(page: Page) -> None:
     page.add_init_script(f"navigator.mediaDevices.getUserMedia = async () => {{ {NO_CAMERA} }}")
     page.goto("/examples/")
     expect(page.locator(".gallery a")).to_have_count(6)

@@ -40,9 +40,7 @@ def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
     return names
 
 
-def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
-    visitor: Visitor, stack: str
-) -> None:
+def test_pages_open_offline_and_a_new_version_takes_over(visitor: Visitor, stack: str) -> None:
     context = visitor(base_url=stack.replace("127.0.0.1", HOST), service_workers="allow")
     page = context.new_page()
     page.goto("/terms/")

@@ -41,7 +41,7 @@ def test_code_is_copied_and_a_lookup_shows_a_card(page: Page, context: BrowserCo
     page.wait_for_url("**/cameras/?query=c920", wait_until="commit")
 
 
-def test_an_unknown_camera_has_an_estimate_beside_the_way_to_calibrate_it(page: Page) -> None:
+def test_an_unknown_camera_has_an_estimate(page: Page) -> None:
     likely = {
         "img_size": [1280, 720],
         "camera_matrix": [[968.0, 0, 639.5], [0, 968.0, 359.5], [0, 0, 1]],

@@ -45,7 +45,7 @@ def speak(page: Page, language: str) -> None:
     page.locator("#language").select_option(language)
 
 
-def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) -> None:
+def test_messages_follow_the_language(page: Page) -> None:
     page.goto("/?lang=en")
     page.locator("#look").click()
     page.locator("#outcome", has_text="No camera was found").wait_for()

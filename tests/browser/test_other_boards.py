@@ -39,7 +39,7 @@ FIND = page_function("recognise_boards")
         pytest.param(("chessboard",), id="chessboard", marks=pytest.mark.thorough),
     ],
 )
-def test_boards_are_recognised_and_give_what_opencv_gives(page: Page, names: tuple[str, ...]) -> None:
+def test_boards_are_recognised_and_fitted_as_by_opencv(page: Page, names: tuple[str, ...]) -> None:
     """Each board is recognised; fx is OpenCV's on the same corners: a chessboard's within 0.05 px."""
     series = {name: list(board_photographs(TOLD[name][0], COUNT)) for name in names}
     data = {
@@ -96,7 +96,7 @@ LIVE = {
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", LIVE)
-def test_live_capture_follows_boards_of_other_kinds(page: Page, name: str) -> None:
+def test_live_capture_of_other_boards(page: Page, name: str) -> None:
     page.goto(f"/calibrate/?{SMALL.query(seed=3)}&{LIVE[name]}")
     page.locator("#done:not([hidden]) #json").wait_for(state="attached")
     found = shown_calibration(page)["camera_matrix"][0][0]

@@ -1,8 +1,6 @@
 """A capture in all its states."""
 
-import re
 from typing import Any
-from urllib.parse import urljoin
 
 import httpx
 import pytest
@@ -23,16 +21,6 @@ from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.waiting import address, until
 
 from ..conftest import THOROUGH
-
-
-def test_links_of_the_landing_page_lead_somewhere(stack: str) -> None:
-    with httpx.Client(base_url=stack, follow_redirects=True) as client:
-        main = client.get("/").text.partition("<main")[2].partition("</main>")[0]
-        links = re.findall(r'<a [^>]*href="([^"]+)"', main)
-        assert len(links) >= 10
-        for link in links:
-            assert client.head(urljoin("/", link)).is_success, link
-
 
 # From the brand to the text, px; how far the sheet scrolls within the window; whether the window does.
 READ_AS_A_PAGE = """() => {

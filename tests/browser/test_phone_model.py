@@ -15,7 +15,7 @@ ASK = """async () => {
 }"""
 
 
-def test_the_visitor_chooses_among_few_models_and_is_asked_once(page: Page) -> None:
+def test_the_visitor_is_asked_for_the_model_once(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     page.goto("/calibrate/")
     page.evaluate(ASK)

@@ -113,7 +113,7 @@ def test_a_result_with_its_report(page: Page) -> None:
 SHOWN_TWICE = page_function("show_twice")
 
 
-def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
+def test_late_error_bars_move_no_number(page: Page) -> None:
     answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/")
     page.locator("#waiting a").first.wait_for()
@@ -126,7 +126,7 @@ def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
         assert numbers[:2] == ["977.73\u00a0px", "±\u00a00.56\u00a0px"]
 
 
-def test_a_stored_calibration_is_shown_saved_and_refitted_without_views(
+def test_a_calibration_is_shown_saved_and_refitted(
     page: Page, api: httpx.Client, state: dict[str, Any]
 ) -> None:
     path = f"/calibrations/{state['calibration_id']}"

@@ -48,9 +48,7 @@ def saved(page: Page, name: str) -> str:
     return Path(download.value.path()).read_text()
 
 
-def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
-    page: Page, api: httpx.Client, tmp_path: Path
-) -> None:
+def test_stereo_camera_in_one_stream_is_calibrated(page: Page, api: httpx.Client, tmp_path: Path) -> None:
     page.goto(f"{RIG}&layout=side_by_side")
     page.locator("#moment-list li").first.wait_for()
     aspects = "all => all.map((one) => one.clientWidth / one.clientHeight)"

@@ -23,7 +23,7 @@ KNOWN = {
 }  # fmt: skip
 
 
-def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None:
+def test_sender_is_named_and_one_click_away(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     answer(page, "**/v1/cameras?*", lambda: KNOWN)
     page.goto(f"/calibrate/?{ASKED}&return_to=http://localhost:9000/app?a=b")
@@ -45,7 +45,7 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
 
 
 @pytest.mark.thorough
-def test_sender_that_gets_no_result_is_told_before_the_capture(page: Page) -> None:
+def test_sender_without_a_result_is_told_before(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     sender = page.locator("#sender")
     page.goto(f"/calibrate/?{ASKED}&return_to=http://app.example/")

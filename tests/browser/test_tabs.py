@@ -33,7 +33,7 @@ def answer_late(route: Route) -> None:
     route.fulfill(body="")
 
 
-def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
+def test_a_capture_belongs_to_one_tab(
     context: BrowserContext,
 ) -> None:
     first, second = context.new_page(), context.new_page()

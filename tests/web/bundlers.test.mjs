@@ -37,20 +37,11 @@ let folder;
 
 before(() => {
   mkdirSync(tools, { recursive: true });
-  const sources = ["package.json", "package-lock.json", ".npmrc"].map((name) => join(root, "tests/web/bundlers", name));
-  const changed = sources.some(
-    (path) =>
-      !existsSync(join(tools, path.split("/").at(-1))) ||
-      readFileSync(path, "utf8") !== readFileSync(join(tools, path.split("/").at(-1)), "utf8"),
-  );
+  for (const name of ["package.json", "package-lock.json", ".npmrc"])
+    copyFileSync(join(root, "tests/web/bundlers", name), join(tools, name));
   try {
-    if (changed || !existsSync(join(tools, "node_modules/webpack"))) {
-      for (const path of sources) copyFileSync(path, join(tools, path.split("/").at(-1)));
-      execFileSync("npm", ["install", "--silent", "--no-audit", "--no-fund", "--fetch-retries", "1"], {
-        cwd: tools,
-        stdio: "ignore",
-      });
-    }
+    const options = ["--silent", "--no-audit", "--no-fund", "--prefer-offline", "--fetch-retries", "1"];
+    execFileSync("npm", ["install", ...options], { cwd: tools, stdio: "ignore" });
   } catch (error) {
     missing = "Vite and webpack cannot be installed: npm's registry does not answer";
   }
