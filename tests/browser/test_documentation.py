@@ -45,7 +45,6 @@ def token(stack: str) -> dict[str, Any]:
 
 @pytest.fixture
 def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[str]:
-    """Address of the quickstart's page, served as it says, with one's own token."""
     (block,) = [block for block in blocks("docs/quickstart.md") if block.language == "html"]
     page = block.code.replace(SITE, stack).replace("cdb_dev_local", token["token"])
     (tmp_path / "index.html").write_text(page)
@@ -104,7 +103,6 @@ def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> No
 
 
 def rig_result() -> dict[str, Any]:
-    """Answer of the service to the pair of OpenCV's samples."""
     pair = json.loads(RIGS_PATH.read_text())[0]
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
     return {

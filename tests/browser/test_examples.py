@@ -15,7 +15,7 @@ from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
 from ..conftest import THOROUGH
-from .test_ar import SMALL_WEBCAM
+from .test_ar import DETECTOR, SMALL_WEBCAM
 
 Array = npt.NDArray[np.float64]
 TRUTH = replace(SMALL, k1=-0.2)
@@ -48,9 +48,6 @@ GIVEN = f"""{SMALL_WEBCAM}
     return stream;
   }};
 """
-DETECTOR = cv2.aruco.CharucoDetector(
-    cv2.aruco.CharucoBoard(SQUARES, 1.0, 0.65, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
-)
 
 
 def amber(image: npt.NDArray[np.uint8]) -> Array:

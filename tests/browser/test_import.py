@@ -29,7 +29,6 @@ SENT = {
 
 @functools.cache
 def captured() -> tuple[ExportSource, tuple[int, int]]:
-    """Keypoints of a real camera's 13 views, and the camera that a fit of all of them gives."""
     views, size = corner_views("opencv_right")
     fitted = fit(views, size)
     source = ExportSource(

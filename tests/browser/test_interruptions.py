@@ -92,7 +92,6 @@ def test_no_interruption_loses_views(
 
 
 def expect_to_continue_without_the_service(page: Page) -> None:
-    """Reload a capture during an outage, and end the outage: views and session are as before."""
     taken = views(page)
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
@@ -124,7 +123,6 @@ def expect_to_continue_without_the_service(page: Page) -> None:
 
 
 def expect_to_end_without_the_service(page: Page) -> None:
-    """Stop a capture during an outage: nothing is asked for any more, and nothing is offered again."""
     page.route("**/v1/**", lambda route: route.abort())
     page.locator("#away", has_text="No connection").wait_for()
     stop(page)

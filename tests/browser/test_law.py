@@ -5,7 +5,7 @@ import json
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import violations
-from tests.helpers.browser.specimens import dump, statistics
+from tests.helpers.browser.specimens import answer, dump, statistics
 
 OPERATOR = {
     "name": "Lens Society",
@@ -13,10 +13,6 @@ OPERATOR = {
     "imprint": "Lens Society|1 Optics Road",
 }
 MINE = "c4-x-0123456789ab-0123456789abcdef0123"
-
-
-def answer(page: Page, path: str, content: object) -> None:
-    page.route(f"**{path}", lambda route: route.fulfill(json=content))
 
 
 def test_notice_shows_operator_and_receipts(page: Page) -> None:
@@ -27,7 +23,7 @@ def test_notice_shows_operator_and_receipts(page: Page) -> None:
         {"id": MINE, "camera": "My <i>webcam</i>", "time": 1_790_000_000_000, "receipt": "eyJzIjoi.signed"}
     ]
     page.evaluate("kept => localStorage.setItem('calibdb.receipts', kept)", json.dumps(kept))
-    answer(page, "/config.json", {"api": "/v1", "token": "cdb_dev_local", "operator": OPERATOR})
+    answer(page, "**/config.json", lambda: {"api": "/v1", "token": "cdb_dev_local", "operator": OPERATOR})
     page.set_viewport_size({"width": 320, "height": 700})
     page.emulate_media(color_scheme="dark")
     page.clock.set_fixed_time("2026-11-22T12:00:00Z")
@@ -57,8 +53,8 @@ def test_data_page_shows_figures_and_files(page: Page) -> None:
     page.goto("/data/")
     expect(page.locator("#status")).to_contain_text("Statistics appear after the first weekly run")
     expect(page.locator("#no-dump")).to_be_visible()
-    answer(page, "/dumps/statistics.json", statistics())
-    answer(page, "/dumps/latest.json", dump())
+    answer(page, "**/dumps/statistics.json", statistics)
+    answer(page, "**/dumps/latest.json", dump)
     page.set_viewport_size({"width": 360, "height": 800})
     page.goto("/de/data/")
     expect(page.locator("#calibrations")).to_have_text("1.330")

@@ -29,11 +29,9 @@ PARAMETERS = ([0, 1, 0, 1], [0, 1, 2, 2])  # fx, fy, cx, cy of a matrix
 
 @dataclass(frozen=True)
 class Series:
-    """Photographs by one camera, one of another size, and what is known of the camera.
+    """Photos by one camera and one of another size.
 
-    `page` is where they are dropped: that of their board, or one that has to recognise it. `ratio` is fx
-    over the width, within `tolerance`; `named` is the camera's name as the files say it; `fewest` is how many
-    photographs the page must use at least.
+    `ratio`: fx over the width, within `tolerance`; `named`: the camera in the files; `fewest`: photos to use.
     """
 
     photographs: list[Path]

@@ -53,10 +53,7 @@ WATCH = """
 
 @dataclass(frozen=True)
 class Footage:
-    """A video, the board in it as an address has it and as the page says it, and its first frame with it.
-
-    `ratio` is the focal length over the width, `tolerance` how far a poor calibration of it may be off.
-    """
+    """A video from its `first` frame with a board; `ratio`: fx over the width, within `tolerance`."""
 
     file: str
     query: str

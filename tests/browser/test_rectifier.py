@@ -63,17 +63,17 @@ def camera(record: dict[str, Any]) -> Camera:
 
 @functools.cache
 def soft_picture(size: Size) -> npt.NDArray[np.uint8]:
-    """A picture so soft that OpenCV's fractions, whole 1/32 px, do not show: a scene's, twice as large."""
+    """A picture twice as large, so soft that OpenCV's fractions of 1/32 px do not show."""
     width, height = size
     soft = cv2.GaussianBlur(textured_board((2 * width + 4, 2 * height + 4)), (0, 0), 3.0)
     gradient = sum(np.abs(np.gradient(soft[:height, :width].astype(float), axis=axis)) for axis in (0, 1))
-    # Grey levels/px at one pixel in ten and in a thousand of a photograph of a board that is blurred as much.
+    # Grey levels/px, as of a photo of a board with the same blur
     assert (np.percentile(gradient, (90, 99.9)) > (16, 26)).all()
     return np.asarray(soft, dtype=np.uint8)
 
 
 def asking(asked: list[tuple[str, str]], size: Size) -> list[Any]:
-    """Arguments of WARPED: warps to draw of the picture's upper left part, and the picture as PNG."""
+    """Arguments of WARPED: warps of the picture's upper left part, and the picture as PNG."""
     options: dict[str, dict[str, float]] = {"rectifier": BALANCED, "distorter": {}}
     png = base64.b64encode(cv2.imencode(".png", soft_picture(size))[1].tobytes()).decode()
     return [[(kind, calibration(model, size), options[kind]) for kind, model in asked], png]

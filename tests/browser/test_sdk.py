@@ -39,7 +39,6 @@ IN_WORKER = """(key) => new Promise((resolve, reject) => {
 
 @pytest.fixture
 def project(tmp_path: Path, stack: str) -> Iterator[str]:
-    """Address of a project that installed the package as its manual says, with its example as the page."""
     manual = (ROOT / "web/sdk/README.md").read_text().replace("http://127.0.0.1:8000", stack)
     install = re.search(r"```sh\n(npm install .*?)\n```", manual)
     example = re.search(r"```html\n(.*?)```", manual, re.DOTALL)

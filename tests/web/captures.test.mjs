@@ -63,10 +63,7 @@ for (const room of [true, false]) {
 
 const FIRST_PAUSE_MS = 1_000;
 
-/**
- * A queue without the service; each attempt to reconnect stores as many views as are said for it, and may renew the
- * session.
- */
+/** An offline queue; each attempt to reconnect finds so many stored views, and may renew the session. */
 function away(t, storedMeanwhile, renewals = 0) {
   const browser = new EventTarget(); // what a page hears of its network
   setGlobals(t, { addEventListener: browser.addEventListener.bind(browser) });
@@ -95,7 +92,7 @@ function away(t, storedMeanwhile, renewals = 0) {
   return { attempts, events, browser };
 }
 
-const settle = () => new Promise((resolve) => setImmediate(resolve));
+const settle = () => new Promise(setImmediate);
 
 test("views that are stored while earlier ones are sent follow at once", async (t) => {
   const { attempts, events } = away(t, [2, 1, 0]);

@@ -6,7 +6,7 @@ import { HEALTHY, diagnose } from "../../web/lib/capture/sight.js";
 import { blackSquares } from "../../web/lib/capture/marks.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
-import { cornersSeen, see } from "./scenes.mjs";
+import { METRICS, cornersSeen, see } from "./scenes.mjs";
 import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
@@ -111,16 +111,14 @@ function said(detection, { motion = 0, every = 33, from = HEALTHY } = {}) {
     state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], ...detection }, motion, time);
   return state.trouble;
 }
-const metrics = { share: 0, median: 110, high: 220, overexposed: 0, sharpness: 0.15, square: 0, moire: null };
-
 test("each trouble is named once it lasts", () => {
-  const board = { ...foundAt(POSES[0]), metrics: { ...metrics, share: 1, square: 60, moire: 0.01 } };
+  const board = { ...foundAt(POSES[0]), metrics: { ...METRICS, share: 1, square: 60, moire: 0.01 } };
   assert.equal(said(board), null);
-  assert.equal(said({ metrics }), null);
-  assert.equal(said({ metrics: { ...metrics, median: 12, high: 30 } }), "dark");
-  assert.equal(said({ metrics: { ...metrics, overexposed: 0.4 } }), "bright");
-  assert.equal(said({ metrics: { ...metrics, sharpness: 0.06 } }), "blurred");
-  assert.equal(said({ markers: 9, metrics: { ...metrics, square: 12 } }), "far");
+  assert.equal(said({ metrics: METRICS }), null);
+  assert.equal(said({ metrics: { ...METRICS, median: 12, high: 30 } }), "dark");
+  assert.equal(said({ metrics: { ...METRICS, overexposed: 0.4 } }), "bright");
+  assert.equal(said({ metrics: { ...METRICS, sharpness: 0.06 } }), "blurred");
+  assert.equal(said({ markers: 9, metrics: { ...METRICS, square: 12 } }), "far");
   assert.equal(said({ ...board, metrics: { ...board.metrics, square: 12 } }), "far");
   assert.equal(said({ ...board, metrics: { ...board.metrics, moire: 0.12 } }), "moire");
   assert.equal(said({ ...board, metrics: { ...board.metrics, moire: 0.08 } }), null);
@@ -134,19 +132,19 @@ test("each trouble is named once it lasts", () => {
   assert.equal(said(board, { motion: 5 }), null);
   assert.equal(said(board, { motion: 20, every: 170 }), null, "slow, in a camera of few frames");
   for (const other of ["mirrored", "legacy", "wrong_board"])
-    assert.equal(said({ metrics }, { from: { ...HEALTHY, other } }), other);
+    assert.equal(said({ metrics: METRICS }, { from: { ...HEALTHY, other } }), other);
   assert.equal(said(board, { from: { ...HEALTHY, other: "legacy" } }), null, "the board itself is seen");
 });
 
 test("trouble is forgotten when the board is seen well", () => {
   const dark = diagnose(
     HEALTHY,
-    { size: SIZE, markers: 0, ids: [], points: [], metrics: { ...metrics, median: 9, high: 20 } },
+    { size: SIZE, markers: 0, ids: [], points: [], metrics: { ...METRICS, median: 9, high: 20 } },
     0,
     1000,
   );
   assert.equal(dark.trouble, null);
-  const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, metrics: { ...metrics, square: 60, moire: 0 } };
+  const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, metrics: { ...METRICS, square: 60, moire: 0 } };
   assert.equal(diagnose({ ...dark, trouble: "dark" }, board, 0, 5000).trouble, null);
 });
 

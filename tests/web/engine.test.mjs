@@ -4,6 +4,7 @@ import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Engine } from "../../web/lib/capture/engine.js";
 import { DetectorError, PageDetector } from "../../web/lib/detector.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
+import { METRICS } from "./scenes.mjs";
 import { setGlobals } from "./globals.mjs";
 
 const SIZE = [1280, 720];
@@ -13,7 +14,7 @@ const detection = ({ shift = 0, sharpness = 0.15, size = SIZE } = {}) => ({
   points: IDS.map((id) => [200 + 60 * (id % 8) + shift, 150 + 60 * Math.floor(id / 8)]),
   markers: 24,
   size,
-  metrics: { share: 1, median: 110, high: 220, overexposed: 0, sharpness, square: 60, moire: 0 },
+  metrics: { ...METRICS, share: 1, sharpness, square: 60, moire: 0 },
 });
 
 /** A stream of one camera or of two that share it. */

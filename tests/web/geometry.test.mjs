@@ -14,12 +14,7 @@ const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url))
 
 const MARGIN = 21; // px
 
-/**
- * ChArUco boards as cv2 draws them with the corners that cv2 names, and boards as the solver draws them, by one
- * process.
- * @param {[string, any, number][]} boards name, board, scale
- * @param {any[]} others
- */
+/** ChArUco boards with their corners as cv2 draws them, and `others` as the solver does. */
 function drawnByPython(boards, others) {
   const script = `
 import base64, json, sys, cv2

@@ -114,10 +114,7 @@ test("numbers have the signs and digits of people", () => {
 
 const SCRIPT = readFileSync(new URL("../../web/language.js", import.meta.url), "utf8");
 
-/**
- * Runs the script of a page's head at an address.
- * @returns {string | null} the address that it leads to; null where the page stays
- */
+/** Address to which the script of a page's head leads; null if the page stays. */
 function visit(address, { kept = null, preferred = ["en-US"], storage = true } = {}) {
   const url = new URL(address, "https://site.example/");
   let led = null;

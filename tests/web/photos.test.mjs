@@ -292,16 +292,7 @@ test("unreadable files are classified by type, then name", () => {
 });
 
 test("the first photo that names its camera is looked up", () => {
-  const nameless = {
-    name: "a",
-    camera: "",
-    focal: 0,
-    kind: "photographs",
-    size: [640, 480],
-    ids: [],
-    points: [],
-    outline: null,
-  };
+  const nameless = picture({ camera: "", ids: [] });
   const phone = { ...nameless, name: "b", camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
   assert.equal(questionOf([nameless, { ...phone, kind: "video" }]), null);
   assert.deepEqual(questionOf([nameless, phone]), {

@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { parseHTML } from "linkedom";
 import "./messages.mjs";
 import { setGlobals } from "./globals.mjs";
+import { isInside } from "./scenes.mjs";
 import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
 import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
@@ -105,13 +106,6 @@ test("the error map's bands and numbers are at their values", (t) => {
       ),
   );
   assert.equal(bands.length, 8);
-  const inside = (polygon, [u, v]) =>
-    polygon.reduce((crossings, [x, y], index) => {
-      const [p, q] = polygon[(index + 1) % polygon.length];
-      return crossings + (y > v !== q > v && u < x + ((v - y) / (q - y)) * (p - x) ? 1 : 0);
-    }, 0) %
-      2 ===
-    1;
   for (const [u, v] of [
     [3, 3],
     [640, 360],
@@ -122,7 +116,7 @@ test("the error map's bands and numbers are at their values", (t) => {
   ]) {
     const value = valueAt(px, SIZE, [u, v]);
     const place = [left + (u + 0.5) * unit, top + (v + 0.5) * unit];
-    const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => inside(polygon, place)));
+    const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => isInside(place, polygon)));
     const slack = 0.1 * (levels[highest + 1] - levels[highest]);
     assert.ok(
       value > levels[highest] - slack && value < levels[highest + 1] + slack,

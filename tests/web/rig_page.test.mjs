@@ -98,7 +98,7 @@ test("captured views are delivered in order", async () => {
   box.post(...LETTERS);
   const sending = box.flush();
   for (let turn = 0; turn < 40; turn++) {
-    await new Promise((done) => setImmediate(done));
+    await new Promise(setImmediate);
     box.retry();
   }
   await sending;
@@ -140,7 +140,7 @@ test("the link tells since when what is new was not there", async () => {
   });
   const running = link.run();
   for (let turn = 0; turn < 20; turn++) {
-    await new Promise((done) => setImmediate(done));
+    await new Promise(setImmediate);
     link.hurry();
   }
   await running;

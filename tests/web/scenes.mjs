@@ -22,3 +22,24 @@ export function photograph(board, lens, [width, height], pose) {
   new Painter(board, lens, [width, height]).paint(pose, rgba);
   return { width, height, data: Uint8Array.from({ length: width * height }, (_, pixel) => rgba[4 * pixel]) };
 }
+
+/** True if a polygon surrounds a point. */
+export function isInside([x, y], polygon) {
+  let inside = false;
+  polygon.forEach(([x1, y1], n) => {
+    const [x2, y2] = polygon[(n + 1) % polygon.length];
+    if (y1 > y !== y2 > y && x < x1 + ((y - y1) / (y2 - y1)) * (x2 - x1)) inside = !inside;
+  });
+  return inside;
+}
+
+/** Metrics of a frame in which nothing is wrong and no board is seen. */
+export const METRICS = {
+  share: 0,
+  median: 110,
+  high: 220,
+  overexposed: 0,
+  sharpness: 0.15,
+  square: 0,
+  moire: null,
+};

@@ -50,10 +50,7 @@ const LIKELY = {
   sources: [],
 };
 const API = "https://calibdb.example/v1";
-/**
- * A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows
- * nothing.
- */
+/** A service that gives one answer after the other, the last again and again; its edge knows nothing. */
 function service(...answers) {
   const asked = [];
   const fetch = async (address, request) => {

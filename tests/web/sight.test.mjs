@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { MOVING, motion, observe } from "../../web/lib/capture/stillness.js";
 import { DEFAULT_BOARD, markers, outline } from "../../web/lib/board.js";
 import { advice, difference, jaccard } from "../../web/lib/capture/target.js";
-import { see } from "./scenes.mjs";
+import { METRICS, see } from "./scenes.mjs";
 import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { BoardWatch } from "../../web/lib/capture/board-watch.js";
 import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
@@ -228,10 +228,9 @@ test("a mirrored picture is trouble of its own", () => {
 });
 
 test("a board that is blurred or far away is not taken for another one", () => {
-  const seen = { share: 0, median: 110, high: 220, overexposed: 0, sharpness: 0.15, square: 0, moire: null };
   const other = after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]));
   const trouble = (markers, metrics) => {
-    const frame = { ids: [], points: [], markers, size: [640, 360], metrics: { ...seen, ...metrics } };
+    const frame = { ids: [], points: [], markers, size: [640, 360], metrics: { ...METRICS, ...metrics } };
     return doubt(observeFrame(BLIND, frame, 1000, DEFAULT_BOARD), other, DEFAULT_BOARD, 1000).diagnosis.trouble;
   };
   assert.equal(trouble(0, {}), "wrong_board");

@@ -5,12 +5,7 @@ import { setGlobals } from "./globals.mjs";
 
 const SCREEN_HZ = 60;
 
-/**
- * A video of `count` frames that a screen shows: of frames that come faster than the browser manages, some are never
- * shown.
- * @param {{rate: number, count: number, capacity: number}} options rate: frames/s of the file; capacity: frames/s that
- *   are decoded
- */
+/** A video of `count` frames; rate and what the browser decodes (capacity) in frames/s. */
 function film({ rate, count, capacity }) {
   const listeners = {};
   const video = {
@@ -45,7 +40,7 @@ function film({ rate, count, capacity }) {
   return { video, tick };
 }
 
-/** @param {Parameters<typeof film>[0]} options @param {number} [refreshes] that a picture takes to be looked at */
+/** `refreshes` of the screen are needed to look at a picture. */
 async function watch(t, options, refreshes = 1) {
   const { video, tick } = film(options);
   const document = { hidden: false, addEventListener() {} };
@@ -55,7 +50,7 @@ async function watch(t, options, refreshes = 1) {
   for await (const { time } of playedFrames(video, 120, new AbortController().signal)) {
     times.push(time);
     const until = video.played + refreshes / SCREEN_HZ;
-    while (video.played < until && !video.paused) await new Promise((resolve) => setImmediate(resolve));
+    while (video.played < until && !video.paused) await new Promise(setImmediate);
   }
   clearInterval(timer);
   return { times, played: video.played };

@@ -59,7 +59,7 @@ const say = ({ cameraMatrix, distortionCoefficients, distortionModel }) => [
 ];
 const views = ({ XRFrame }, session) => new XRFrame(session).getViewerPose().views;
 const look = (global, session) => say(views(global, session)[0]);
-const settled = () => new Promise((done) => setImmediate(done));
+const settled = () => new Promise(setImmediate);
 
 function running(options = {}) {
   const global = browser();
