@@ -15,7 +15,7 @@ from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
 from ..conftest import THOROUGH
-from .test_ar import DETECTOR, SMALL_WEBCAM
+from .test_ar import DICTIONARY, SMALL_WEBCAM
 
 Array = npt.NDArray[np.float64]
 TRUTH = replace(SMALL, k1=-0.2)
@@ -48,6 +48,7 @@ GIVEN = f"""{SMALL_WEBCAM}
     return stream;
   }};
 """
+DETECTOR = cv2.aruco.CharucoDetector(cv2.aruco.CharucoBoard(SQUARES, 1.0, 0.65, DICTIONARY))
 
 
 def amber(image: npt.NDArray[np.uint8]) -> Array:

@@ -100,5 +100,4 @@ def test_live_capture_of_other_boards(page: Page, name: str) -> None:
     page.goto(f"/calibrate/?{SMALL.query(seed=3)}&{LIVE[name]}")
     page.locator("#done:not([hidden]) #json").wait_for(state="attached")
     found = shown_calibration(page)["camera_matrix"][0][0]
-    print(f"{name}: fx {found:.2f}, truth {SMALL.fx}")
     assert abs(found / SMALL.fx - 1) < 0.002
