@@ -61,7 +61,6 @@ def chromium_path() -> str | None:
 
 @pytest.fixture(scope="session")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a running calibDB with an empty database."""
     with LocalProcess(tmp_path_factory.mktemp("stack") / "data", {"NEW_TOKENS": "100"}) as server:
         yield server.url
 
@@ -103,7 +102,6 @@ def in_firefox() -> Iterator[InFirefox]:
 
 
 def close(context: BrowserContext) -> None:
-    """End a visit, whatever is still being asked for."""
     for page in context.pages:
         page.unroute_all(behavior="ignoreErrors")
     context.unroute_all(behavior="ignoreErrors")

@@ -1,4 +1,4 @@
-"""All pages, sizes and languages: nothing moves while they appear, nothing is cut, all are accessible."""
+"""All pages, sizes and languages: stable layout, nothing cut, accessible."""
 
 from typing import Literal
 
@@ -32,7 +32,6 @@ OTHERS: list[tuple[str, Scheme]] = [
 ]
 
 
-# What moves without end
 ENDLESS = """() => document.getAnimations()
   .filter(({ playState, effect }) => playState === "running" && effect?.getTiming().iterations === Infinity)
   .map(({ effect }) => effect.target?.outerHTML.slice(0, 80))"""

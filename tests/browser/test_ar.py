@@ -1,7 +1,5 @@
-"""Position of drawn objects on the AR page, measured in the pictures that it shows."""
+"""Overlays of the AR page, measured in its pictures."""
 
-import base64
-import json
 import re
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -16,10 +14,12 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
+
+from .test_rectifier import decoded
 
 Array = npt.NDArray[np.float64]
 
@@ -34,23 +34,12 @@ SILENCED = """
     }
   };
 """
+LABEL = "Overlay Test Camera (1234:0a12)"
 #: a webcam that looks into the dark
-WEBCAM = """
-  const label = "Overlay Test Camera (1234:0a12)";
-  navigator.mediaDevices.enumerateDevices = async () => [{ kind: "videoinput", deviceId: "c920", label }];
-  navigator.mediaDevices.getUserMedia = async () => {
-    const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
-    canvas.className = "virtual-camera";
-    canvas.setAttribute("aria-hidden", "true");
-    document.body.append(canvas);
-    const context = canvas.getContext("2d", { alpha: false });
-    setInterval(() => context.fillRect(0, 0, 1280, 720), 200);
-    const stream = canvas.captureStream(5);
-    const [track] = stream.getVideoTracks();
-    Object.defineProperty(track, "label", { value: label });
-    track.getSettings = () => ({ width: 1280, height: 720, deviceId: "c920" });
-    return stream;
-  };
+WEBCAM = f"""{CAMERA.replace("HD Pro Webcam C920 (046d:082d)", LABEL)}
+  navigator.mediaDevices.enumerateDevices = async () => [
+    {{ kind: "videoinput", deviceId: "c920", label: "{LABEL}" }},
+  ];
 """
 #: for what does not depend on the number of pixels
 SMALL_WEBCAM = WEBCAM.replace("1280", "640").replace("720", "360")
@@ -67,11 +56,6 @@ OUTER = {0, 1, 6, 7}  # columns where no house stands
 AT_THE_CORNER = 0.14  # diagonals; nearer, every marker is cut off
 WINDOW = 8  # px; half that of a corner's surroundings
 ARM = 14  # px; of a crossing's: lines are up to 9 px wide
-
-
-def decoded(layer: dict[str, Any]) -> npt.NDArray[np.uint8]:
-    data = np.frombuffer(base64.b64decode(layer["png"].split(",")[1]), np.uint8)
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
 
 
 def seen(picture: npt.NDArray[np.uint8]) -> dict[int, Array]:
@@ -106,7 +90,7 @@ def at_the_corner(look: dict[str, Any]) -> tuple[float, float]:
     picture, overlay = decoded(look["picture"]), decoded(look["overlay"])
     h, w = picture.shape[:2]
     assert overlay.shape[:2] == (h, w)
-    assert look["picture"]["place"] == look["overlay"]["place"], "one lies over the other"
+    assert look["picture"]["place"] == look["overlay"]["place"]
     corners, drawn = seen(picture), marks(overlay)
     assert 1 <= len(drawn) <= 4
     away = {
@@ -153,15 +137,12 @@ def test_overlays_fit_in_firefox(stack: str, in_firefox: InFirefox) -> None:
 
 @pytest.fixture
 def sent(page: Page) -> list[Request]:
-    """All that the page sends besides asking for files."""
     requests: list[Request] = []
     page.on("request", lambda request: None if request.method == "GET" else requests.append(request))
     return requests
 
 
-def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only(
-    page: Page, sent: list[Request]
-) -> None:
+def test_overlays_fit_in_a_practice_that_only_requests_an_estimate(page: Page, sent: list[Request]) -> None:
     page.add_init_script(SILENCED)
     page.goto(f"{ADDRESS.replace('virtual=1&', '')}&img_size=640x360")
     page.locator("#welcome .virtually").click()
@@ -175,7 +156,7 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     said = page.locator("#outermost")
     expect(said).to_contain_text("outermost corner")
     page.evaluate("[window.made, window.isSilent] = [0, true]")
-    until(page, lambda: page.evaluate("window.made") == 1)  # it begins anew with another detector
+    until(page, lambda: page.evaluate("window.made") == 1)
     expect(said).to_contain_text("outermost corner")
     assert sent == []
     page.get_by_role("button", name="Use the estimate").click()
@@ -195,7 +176,7 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     expect(said).to_contain_text("at the outermost corner")
     page.get_by_role("button", name="Stop").click()
     page.locator("#welcome-title:focus").wait_for()
-    expect(page.locator(".virtual-camera:not(video)"), "the camera is let go").to_have_count(0)
+    expect(page.locator(".virtual-camera:not(video)")).to_have_count(0)
 
 
 @pytest.mark.thorough
@@ -231,21 +212,19 @@ def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: li
 
 
 def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserContext) -> None:
-    page = context.new_page()  # "not found" is an error in the console
+    page = context.new_page()
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.add_init_script(WEBCAM + BLIND_DETECTOR)
     page.goto("/de/ar/")
     page.locator("#start").click()
     page.locator("#unknown:not([hidden])").wait_for()
-    assert "Overlay Test Camera (1234:0a12), 1280 × 720" in (
-        page.locator("#unknown-text").text_content() or ""
-    )
+    assert f"{LABEL}, 1280 × 720" in (page.locator("#unknown-text").text_content() or "")
     there = parse_qs(urlsplit(page.locator("#calibrate").evaluate("link => link.href")).query)
-    assert there["camera"] == ["Overlay Test Camera (1234:0a12)"]
+    assert there["camera"] == [LABEL]
     assert urlsplit(there["return_to"][0]).path == "/de/ar/"
     picture(page, "ar-unknown", ["hand"])
     [request] = [request for request in sent if request.method != "GET"]
-    assert set(json.loads(request.post_data or "")) <= {
+    assert set(request.post_data_json) <= {
         "camera", "platform", "img_size", "zoom", "distortion_model", "redirect", "miss",
     }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The board: on a screen, on another device, on paper, and any other than ours."""
+"""The board on screens, other devices and paper."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
-from tests.helpers.browser.pictures import SIZES, picture
+from tests.helpers.browser.pictures import SIZES, picture, shot
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, until
@@ -16,7 +16,6 @@ from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
-# A phone before permission: cameras without names; what was asked of them.
 PHONE = """
   navigator.mediaDevices.enumerateDevices = async () => [{ kind: "videoinput", deviceId: "", label: "" }];
   navigator.mediaDevices.getUserMedia = async ({ video }) => {
@@ -29,7 +28,7 @@ FOUND = page_function("find_drawn_boards")
 
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
     page.goto("/board/?lang=en")
-    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
+    expect(page.locator("#papers a")).to_contain_text("Letter")
     page.locator("#more-papers summary").click()
     for language, pictures in (("en", 0), ("de", 0), ("uk", 3)):
         page.locator("#language").select_option(language)
@@ -49,8 +48,8 @@ def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
             assert int(mask) > 1000
 
 
-def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes_back(page: Page) -> None:
-    page.add_init_script("delete Element.prototype.requestFullscreen")  # as on an iPhone
+def test_board_fills_the_window_without_full_screen(page: Page) -> None:
+    page.add_init_script("delete Element.prototype.requestFullscreen")
     page.set_viewport_size(SIZES["hand"])
     before = "/config.json"
     page.goto(before)
@@ -58,12 +57,10 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes
     canvas = page.locator("#board")
     page.locator("#full-screen").click()
     page.locator("#frame.filling").wait_for()
-    assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden", (
-        "nothing scrolls behind"
-    )
+    assert page.evaluate("getComputedStyle(document.documentElement).overflowY") == "hidden"
     picture(page, "board-filling", ["hand"])
 
-    def is_turned() -> bool:  # to use the whole of an upright phone
+    def is_turned() -> bool:
         box = canvas.bounding_box()
         assert box is not None
         return box["height"] > box["width"] and (box["height"] > 0.65 * 844 or box["width"] > 0.9 * 390)
@@ -76,7 +73,7 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes
         page.locator("#frame.filling").wait_for()
         page.evaluate("history.back()")
         page.locator("#frame:not(.filling)").wait_for()
-        assert page.url.endswith("/board/"), "the full screen is closed and not the page"
+        assert page.url.endswith("/board/")
     page.locator("#full-screen").click()
     page.locator("#frame.filling").wait_for()
     page.keyboard.press("Escape")
@@ -93,7 +90,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     expect(page.locator("#columns")).to_have_value("5")
     expect(page.locator("#ratio")).to_be_hidden()
     page.locator("#columns").fill("6")
-    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}"), "it stays of its kind"
+    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}")
     page.locator("#more-papers summary").click()
     with page.expect_download() as download:
         page.locator(".papers a", has_text="A4").click()
@@ -118,7 +115,7 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
         assert all(href.endswith(f"/{where}/?{asked}") for href in hrefs), where
     page.locator("#columns").fill("2")
     page.locator("#board-problem", has_text="3 to 50").wait_for()
-    expect(page.locator("#description"), "what cannot be changes nothing").to_contain_text("7 × 5")
+    expect(page.locator("#description")).to_contain_text("7 × 5")
     page.locator("#reset").click()
     page.locator("#description", has_text="9 × 6").wait_for()
     assert address(page).endswith("/board/")
@@ -154,7 +151,7 @@ def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag:
     for name, value in (("columns", "4"), ("rows", "11"), ("ratio", "0.5")):
         page.locator(f"#{name}").fill(value)
     page.locator("#description", has_text="4 × 11 circles").wait_for()
-    drawn = cv2.imdecode(np.frombuffer(page.locator("#board").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    drawn = shot(page.locator("#board"), cv2.IMREAD_GRAYSCALE)
     complete, centres = cv2.findCirclesGrid(drawn, (4, 11), flags=flag)
     assert complete
     steps = np.linalg.norm(np.diff(centres.reshape(11, 4, 2), axis=1), axis=2)
@@ -165,14 +162,13 @@ def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag:
     expect(page.locator("#papers a")).not_to_have_count(0)
     picture(page, f"board-{kind}", ["hand"], full=True)
     page.add_init_script(BLIND_DETECTOR)
-    for path in ("/photos/", "/calibrate/") if THOROUGH else ():  # and tests/web/boards.test.mjs
+    for path in ("/photos/", "/calibrate/") if THOROUGH else ():
         page.goto(f"{path}?kind={kind}&squares=4x11&marker_ratio=0.5")
         expect(page.locator("#problem, #board-problem").filter(has_text=command).first).to_be_visible()
 
 
 @pytest.mark.thorough
-def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
-    """That they are drawn as OpenCV draws them: tests/web/geometry.test.mjs."""
+def test_boards_of_every_dictionary_are_found(page: Page) -> None:
     page.goto("/board/")
     offered = page.locator("#dictionary option").all_text_contents()
     kinds = [name for name in offered if name.endswith("_1000") or "APRILTAG" in name]
@@ -184,12 +180,11 @@ def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Pag
         assert np.abs(np.array(found) - corners).max() < 0.05, name
 
 
-def test_another_device_is_shown_the_way_by_qr_codes(page: Page) -> None:
+def test_qr_codes_lead_to_another_device(page: Page) -> None:
     page.add_init_script("delete Element.prototype.requestFullscreen")
     page.goto("/board/?squares=8x5")
     page.locator("#qr path").wait_for(state="attached")
-    code = cv2.imdecode(np.frombuffer(page.locator("#qr").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
-    assert code is not None
+    code = shot(page.locator("#qr"), cv2.IMREAD_GRAYSCALE)
     there, _, _ = cv2.QRCodeDetectorAruco().detectAndDecode(cv2.resize(code, None, fx=3, fy=3))
     assert there.endswith("/board/?squares=8x5&fill=1")
     page.set_viewport_size(SIZES["hand"])
@@ -207,8 +202,7 @@ def test_another_device_is_shown_the_way_by_qr_codes(page: Page) -> None:
         page.locator("#full-screen-code").click()
         page.locator("#code path").wait_for(state="attached")
         page.evaluate("document.getElementById('hint').hidden = true")  # as after six seconds
-        shown = cv2.imdecode(np.frombuffer(page.screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
-        assert shown is not None
+        shown = shot(page, cv2.IMREAD_GRAYSCALE)
         _, ids, _, _ = cv2.aruco.CharucoDetector(
             cv2.aruco.CharucoBoard(
                 (8, 5), 1.0, 0.65, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)

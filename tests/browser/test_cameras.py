@@ -1,4 +1,4 @@
-"""The database to look through."""
+"""The pages of known cameras."""
 
 import re
 from typing import Any
@@ -11,7 +11,7 @@ from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import address
+from tests.helpers.browser.waiting import address, uncaught
 
 KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
@@ -47,14 +47,12 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     expect(page.locator(".reliability").last).to_contain_text("2 of 5 calibrations")
     page.locator(".mode > summary").last.click()
     page.locator(".mode").last.get_by_text("Too few calibrations yet.").wait_for()
-    assert page.locator(".agrees").count() == 2 * 9, "two calibrations are read from the table"
-    assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
+    assert page.locator(".agrees").count() == 2 * 9
+    assert page.locator("path.cut").count() == 2 * 2
     expect(page.locator(".plot a").first).to_have_attribute("href", re.compile(r"result/\?id=m\d"))
-    expect(page.locator("td.std").first, "how far the calibrations differ").to_contain_text("± 2.5")
+    expect(page.locator("td.std").first).to_contain_text("± 2.5")
     page.mouse.wheel(0, 700)
-    expect(bar.locator("strong"), "the name, once the heading is out of sight").to_have_text(
-        "HD Pro Webcam C920"
-    )
+    expect(bar.locator("strong")).to_have_text("HD Pro Webcam C920")
     expect(bar).to_contain_text("Ready to use")
     assert bar.evaluate("(bar) => bar.getBoundingClientRect().top") == 0
     captions = page.locator("figcaption").all_text_contents()
@@ -62,20 +60,19 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     picture(page, "camera", full=True)
 
 
-def test_a_calibrated_camera_is_found_and_fitted_with_any_model_and_has_no_corners(
+def test_a_calibrated_camera_is_found_and_fitted_with_any_model(
     context: BrowserContext, api: httpx.Client
 ) -> None:
-    page = context.new_page()  # a refusal is an error in the console
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    page = context.new_page()
+    errors = uncaught(page)
     capture(api, Truth(), KEY, seed=6)
     listed(api, "shelf test")
     page.goto("/cameras/?query=nobody+has+this")
     page.locator("#status", has_text="No camera found").wait_for()
-    expect(page.locator("#calibrate-first"), "a way on").to_be_visible()
+    expect(page.locator("#calibrate-first")).to_be_visible()
     page.locator("#query").fill("shelf test")
     page.locator("#found a", has_text="Shelf Test Camera").wait_for()
-    assert "query=shelf+test" in address(page), "a reload, a link and the history have the search"
+    assert "query=shelf+test" in address(page)
     page.locator("#found a", has_text="Shelf Test Camera").click()
     page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
     call = page.locator("#calibrate-this")
@@ -99,7 +96,6 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model_and_has_no_corne
 
 
 def one_per_cent_longer() -> dict[str, Any]:
-    """The calibration of `result`, of a lens whose fx is one per cent longer."""
     (fx, *first), second, third = result()["camera_matrix"]
     return result() | {"camera_matrix": [[fx * 1.01, *first], second, third]}
 
@@ -113,12 +109,9 @@ def test_two_calibrations_are_compared(page: Page) -> None:
     boxes = page.locator(".members input[type=checkbox]")
     boxes.nth(0).check()
     boxes.nth(1).check()
-    expect(boxes.nth(2), "two are compared").to_be_disabled()
+    expect(boxes.nth(2)).to_be_disabled()
     caption = page.locator(".comparison figcaption")
     expect(caption).to_contain_text("How far apart the two show a point: typically")
-    typical = float(re.findall(r"typically ([\d.]+)", caption.text_content() or "")[0])
-    # One per cent of fx alone: x / 100, 3.7 px rms over 1280 px, of which a rotation takes nothing.
-    assert typical == pytest.approx(3.7, rel=0.15)
     row = page.locator(".comparison tbody tr").first
     expect(row).to_contain_text("σ")
     apart = float(re.findall(r"([\d.]+)\s*σ", row.text_content() or "")[0])
@@ -129,7 +122,7 @@ def test_two_calibrations_are_compared(page: Page) -> None:
     picture(page, "camera-compared", ["hand"], full=True)
 
 
-def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None:
+def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     answer(page, "**/v1/cameras/*", camera)
     for name in ("a", "c1-example"):
         answer(page, f"**/v1/calibrations/{name}", result_of_camera)
@@ -143,9 +136,8 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
     )
     page.goto("/mine/?with=c1-example")
     expect(page.locator("#own li")).to_have_count(3)
-    expect(page.locator("#own input:checked"), "the one of the address, made elsewhere").to_have_count(1)
-    expect(page.locator("#own li button"), "it cannot be removed").to_have_count(2)
-    # With a file of another program
+    expect(page.locator("#own input:checked")).to_have_count(1)
+    expect(page.locator("#own li button")).to_have_count(2)
     compared, caption = page.locator(".comparison thead"), page.locator(".comparison figcaption")
     file = page.locator("#with-file")
     file.set_input_files({"name": "camera.yaml", "mimeType": "text/yaml", "buffer": opencv_file()})
@@ -155,7 +147,6 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
     expect(compared).to_contain_text("camera.yaml")
     file.set_input_files({"name": "no.txt", "mimeType": "text/plain", "buffer": b""})
     expect(page.locator("#own [role=status]")).to_contain_text("No camera was found in this file")
-    # With the consensus, and with each other
     page.locator("#tick-c1-example").uncheck()
     expect(page.locator("#own li", has_text="Own b")).to_contain_text("640\u00a0×\u00a0480")
     expect(page.locator("#own li a", has_text="Own b")).to_have_attribute(
@@ -176,7 +167,6 @@ def test_own_calibrations_and_files_are_compared_and_removed(page: Page) -> None
 
 
 def opencv_file() -> bytes:
-    """The calibration of `one_per_cent_longer` as OpenCV writes it."""
     numbers = [number for row in one_per_cent_longer()["camera_matrix"] for number in row]
     return f"""%YAML:1.0
 ---

@@ -1,4 +1,4 @@
-"""Controls of the capture page, and its messages while a camera does not open."""
+"""Controls and messages of the capture page."""
 
 import re
 import time
@@ -16,41 +16,18 @@ from tests.helpers.browser.interruptions import (
     wait_for_views,
 )
 from tests.helpers.browser.pictures import SIZES, picture
-from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
+from tests.helpers.browser.scenes import BLIND_DETECTOR, LISTED_LATE, PLUG, PLUGGED
 from tests.helpers.browser.viewfinder import expect_all_in_reach
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
-# One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
-PLUGGED = f"""{CAMERA}
-  Object.assign(window, {{ there: true, permitted: false }});
-  const give = navigator.mediaDevices.getUserMedia;
-  navigator.mediaDevices.getUserMedia = (constraints) => {{
-    window.asked = constraints.video;
-    if (window.refusal) return Promise.reject(new DOMException("", window.refusal));
-    window.permitted = true;
-    return give();
-  }};
-  navigator.mediaDevices.enumerateDevices = async () => {{
-    const [deviceId, label] = window.permitted ? ["c920", "HD Pro Webcam C920 (046d:082d)"] : ["", ""];
-    return window.there ? [{{ kind: "videoinput", deviceId, label }}] : [];
-  }};
-"""
-# A visitor may be quicker than the list of cameras, which is there after `answer()`.
-LISTED_LATE = """
-  const list = navigator.mediaDevices.enumerateDevices;
-  const listed = new Promise((resolve) => window.answer = resolve);
-  navigator.mediaDevices.enumerateDevices = () => listed.then(list);
-  window.permitted = true;
-"""
 # What speaks by itself to who listens to the page.
 LIVE = """() => [
   ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
   ...document.querySelectorAll("output:not([aria-live])"),
 ].filter((each) => each.checkVisibility()).map(({ id }) => id)"""
-# What is heard, felt and said, written down.
 SENSES = """
   Object.assign(window, { notes: 0, felt: [], spoken: [] });
   const create = AudioContext.prototype.createOscillator;
@@ -59,17 +36,11 @@ SENSES = """
   speechSynthesis.speak = ({ lang, text }) => window.spoken.push([lang, text]);
 """
 HEADER = "document.querySelector('header.rim').getBoundingClientRect().height"
-HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"  # in German
-PLUG = """(there) => {
-  window.there = there;
-  navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
-}"""
+HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"
 
 
 @pytest.mark.parametrize("seconds", [2, *thorough(60)])
-def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyboard(
-    page: Page, seconds: int
-) -> None:
+def test_capture_speaks_waits_while_hidden_and_obeys_keys(page: Page, seconds: int) -> None:
     sent: list[str] = []
     page.add_init_script(PATIENT)
     listen(page)
@@ -78,12 +49,12 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     height = page.evaluate(HEADER)
     page.locator("#instruction:focus").wait_for()
     page.locator("#sent:visible").wait_for()
-    assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5), "the header keeps its height"
+    assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5)
     hear(page, "another", "Expected: Another one.*Open now: calibDB virtual camera")
-    hear(page, "said", "Expected: Another one")  # it is read out too
-    assert page.evaluate(LIVE) == ["said"], "one voice at a time"
+    hear(page, "said", "Expected: Another one")
+    assert page.evaluate(LIVE) == ["said"]
     page.locator("#undo:enabled").wait_for()
-    expect(page.locator("#another"), "read by now").to_be_hidden()
+    expect(page.locator("#another")).to_be_hidden()
 
     page.locator("#language").select_option("de")
     expect(page.locator("#stop")).to_have_text("Beenden")
@@ -93,7 +64,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
         page.evaluate(HIDE, True)  # as if in the background, so that no view is the last one
     hidden_at = time.monotonic()
     page.on("request", lambda request: sent.append(request.url) if "/v1/" in request.url else None)
-    for language in ("de", "uk") if THOROUGH else ("de",):  # whose words are longer than English ones
+    for language in ("de", "uk") if THOROUGH else ("de",):
         expect_all_in_reach(page, language)
     page.locator("#language").select_option("en")
 
@@ -101,7 +72,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     popover.locator("summary").click()
     page.keyboard.press("Escape")
     assert popover.get_attribute("open") is None
-    assert page.evaluate("document.activeElement.parentElement.id") == "senses", "the focus stays there"
+    assert page.evaluate("document.activeElement.parentElement.id") == "senses"
     popover.locator("summary").click()
     page.locator("#stage").click()
     assert popover.get_attribute("open") is None
@@ -133,7 +104,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     picture(page, "capture-interrupted", ["hand"])
     page.locator("#go-on", has_text="Fortfahren").click()
     page.locator("#controls:not([hidden])").wait_for()
-    expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
+    expect(page.locator("#stop")).to_have_text("Beenden")
     assert "/de/calibrate/?" in address(page)
     page.evaluate(UNPLUG)
     page.locator("#failed-title:focus").wait_for()
@@ -143,7 +114,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     page.locator("#interrupted").wait_for(state="hidden")
 
 
-def test_camera_is_the_one_and_of_the_size_asked_for_comes_back_and_its_refusals_are_explained(
+def test_requested_camera_is_opened_and_refusals_are_explained(
     page: Page,
 ) -> None:
     page.add_init_script(PLUGGED + LISTED_LATE + BLIND_DETECTOR)
@@ -193,7 +164,7 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
     page.locator("#settings > summary").click()
     expect(page.locator("#resolutions")).to_be_visible()
     page.locator("#camera").select_option("virtual")
-    expect(page.locator("#resolutions"), "it has one size").to_be_hidden()
+    expect(page.locator("#resolutions")).to_be_hidden()
     page.locator("#start").click()
     page.locator("#opening:not([hidden]), #controls:not([hidden])").wait_for()
     page.locator("#practice").wait_for(state="attached")
@@ -201,12 +172,12 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
 
 
 @pytest.mark.thorough
-def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page: Page) -> None:
+def test_a_view_is_heard_and_felt_and_hints_are_spoken(page: Page) -> None:
     page.add_init_script(SENSES)
     page.goto(f"{ENDLESS}&lang=de")
     page.locator("#controls:not([hidden])").wait_for()
-    page.locator("#senses summary").click()  # nothing sounds before a page was touched
-    assert page.evaluate("window.spoken") == [], "that is asked for"
+    page.locator("#senses summary").click()
+    assert page.evaluate("window.spoken") == []
     page.locator("#voice").check()
     wait_for_views(page, views(page) + 1)
     # Sounded, shaken and said in the task in which the view is counted, or when what was said before is.

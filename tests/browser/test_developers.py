@@ -1,9 +1,8 @@
-"""The page for developers: a token of one's own, a lookup with it on another origin, and its upkeep."""
+"""Tokens and snippets of the page for developers."""
 
 import json
 import re
 import subprocess
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -38,58 +37,45 @@ ASK_TWICE = """async () => {
 
 @pytest.fixture(scope="module")
 def known(api: httpx.Client) -> dict[str, Any]:
-    """Calibration of the camera, on which five contributors agree."""
     return calibrated(api, Truth(), KEY)
 
 
-@dataclass
-class Developer:
-    """Somebody who has never been here, and what they do."""
-
-    page: Page
-    done: list[str] = field(default_factory=list)
-
-    def act(self, what: str) -> None:
-        """Count an action."""
-        self.done.append(what)
-
-    def click(self, selector: str) -> None:
-        """Click, which is one action."""
-        self.act(f"click {selector}")
-        self.page.locator(selector).first.click()
-
-
 @pytest.fixture
-def developer(context: BrowserContext, stack: str) -> Developer:
-    """Developer with an empty profile and a camera."""
+def developer(context: BrowserContext, stack: str) -> Page:
+    """Page of a browser with an empty profile and a camera."""
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
-    page = context.new_page()  # a refusal is an error in the console
+    page = context.new_page()
     page.add_init_script(CAMERA + BLIND_DETECTOR)
-    return Developer(page)
+    return page
 
 
-def test_from_the_landing_page_to_a_lookup_on_another_origin(
-    developer: Developer, stack: str, known: dict[str, Any], tmp_path: Path
+def test_from_landing_page_to_lookup_elsewhere(
+    developer: Page, stack: str, known: dict[str, Any], tmp_path: Path
 ) -> None:
-    page = developer.page
-    developer.act("open the landing page")
+    page = developer
+    done = ["open the landing page"]
+
+    def click(selector: str) -> None:
+        done.append(f"click {selector}")
+        page.locator(selector).first.click()
+
     page.goto(stack)
-    developer.click('a[href$="developers/"]')
-    developer.click("#make-button")
+    click('a[href$="developers/"]')
+    click("#make-button")
     expect(page.locator("#token-heading")).to_be_focused()
     with passing(page, "#copy-snippet", "Copied ✓"):
-        developer.click("#copy-snippet")
+        click("#copy-snippet")
     copied = page.evaluate("navigator.clipboard.readText()")
     (made,) = page.evaluate("JSON.parse(localStorage['calibdb.tokens'])")
-    developer.act("save the code as index.html")
+    done.append("save the code as index.html")
     (tmp_path / "index.html").write_text(copied.replace("<title>", '<link rel="icon" href="data:,"><title>'))
     with serving(tmp_path) as address:
         own = address.replace("127.0.0.1", "localhost").rstrip("/")
-        developer.act("open it from a server of one's own")
+        done.append("open it from a server of one's own")
         page.goto(own)
-        developer.act("allow the camera")
+        done.append("allow the camera")
         expect(page.locator("#answer")).to_contain_text('"camera_matrix"')
-        assert len(developer.done) <= MAX_ACTIONS, developer.done
+        assert len(done) <= MAX_ACTIONS, done
         found = json.loads(page.locator("#answer").text_content() or "")
         assert found["camera_matrix"] == known["camera_matrix"]
         assert found["reliable"]
@@ -102,7 +88,6 @@ def test_from_the_landing_page_to_a_lookup_on_another_origin(
         page.evaluate("sessionStorage.clear()")
         page.goto(f"{address}not-there")
         assert page.evaluate(ask, [stack, made["token"]]) == [403, None]
-        # An unknown camera is calibrated, and its result comes back to the page.
         page.add_init_script(CAMERA.replace(LABEL, "New One"))
         page.goto(f"{own}/?again")
         expect(page.locator("#answer")).to_have_text("calibDB does not know New One yet.")
@@ -115,7 +100,7 @@ def test_from_the_landing_page_to_a_lookup_on_another_origin(
         expect(page.locator("#answer")).to_contain_text('"camera_matrix"')
 
 
-def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
+def test_token_is_kept_and_managed_and_works_with_curl(
     page: Page, known: dict[str, Any], tmp_path: Path
 ) -> None:
     page.goto("/developers/")
@@ -145,7 +130,6 @@ def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
     def stored() -> Any:
         return page.evaluate("JSON.parse(localStorage['calibdb.tokens'])")
 
-    # What was shown once is there after a reload, and after a rotation.
     (made,) = stored()
     assert made.keys() == {"id", "token", "management_token", "name", "origins", "api"}
     page.locator("#token-name").fill("My <site>")
@@ -159,7 +143,6 @@ def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
     page.reload()
     expect(page.locator("#secret-api_token")).to_have_text(rotated["token"])
     expect(page.locator("#secret-management_token")).not_to_contain_text(made["management_token"])
-    # A file brings it back where it was removed; a revoked one is gone.
     with page.expect_download() as saved:
         page.locator("#export").click()
     saved.value.save_as(tmp_path / "tokens.json")
@@ -176,7 +159,7 @@ def test_token_is_kept_and_managed_and_curl_finds_the_camera_with_it(
     expect(page.locator("dialog")).to_contain_text("cannot be undone")
     page.keyboard.press("Escape")
     expect(page.locator("#revoke")).to_be_focused()
-    assert len(stored()) == 1, "nobody agreed"
+    assert len(stored()) == 1
     page.keyboard.press("Enter")
     page.locator("dialog button", has_text="Revoke for good").click()
     expect(page.locator("#token-status")).to_have_text("“My <site>” is revoked.")
@@ -192,8 +175,8 @@ def expect_refusal(page: Page, words: str) -> None:
     expect(complaint).to_contain_text(words)
 
 
-def test_refusals_are_told_in_words_and_unkept_secrets_are_not_left_unasked(context: BrowserContext) -> None:
-    page = context.new_page()  # a refusal is an error in the console, and here it is meant to be one
+def test_refusals_are_explained_and_unkept_secrets_warn(context: BrowserContext) -> None:
+    page = context.new_page()
     problem = {
         "title": "Quota used up",
         "status": 429,
@@ -217,7 +200,6 @@ def test_refusals_are_told_in_words_and_unkept_secrets_are_not_left_unasked(cont
     expect_refusal(page, "calibDB cannot be reached")
     context.set_offline(offline=False)
 
-    # Nothing keeps the secret that is made at last.
     page.evaluate("""() => {
       Storage.prototype.setItem = () => { throw new DOMException("full", "QuotaExceededError"); };
     }""")

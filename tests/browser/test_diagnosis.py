@@ -1,6 +1,4 @@
-"""Diagnosis of pictures in which the board is not seen, or not well."""
-
-import json
+"""Diagnosis of bad pictures."""
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -45,18 +43,18 @@ def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
 
 
 @pytest.mark.thorough
-def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page) -> None:
+def test_a_board_of_the_older_layout_is_recognised(page: Page) -> None:
     begun = sessions(page)
     listen(page)
     page.goto(capture_page(shown_legacy="true"))
     hear(page, "notice", "older layout")
     page.locator("#undo:enabled").wait_for()
-    boards = [json.loads(request.post_data or "")["board"] for request in begun]
+    boards = [request.post_data_json["board"] for request in begun]
     assert [board["legacy"] for board in boards] == [False, True]
 
 
 @pytest.mark.thorough
-def test_a_different_board_can_be_used_or_the_right_one_be_shown(page: Page) -> None:
+def test_a_different_board_can_be_used(page: Page) -> None:
     listen(page)
     page.goto(capture_page(shown_dictionary="DICT_5X5_100"))
     page.locator("#instruction", has_text="This is a different board").wait_for()
@@ -67,4 +65,4 @@ def test_a_different_board_can_be_used_or_the_right_one_be_shown(page: Page) -> 
     page.locator("#use-board").click()
     hear(page, "notice", "This board is used now: 9 × 6")
     page.locator("#undo:enabled").wait_for()
-    assert "dictionary=DICT_5X5_50" in address(page), "a reload goes on with it"
+    assert "dictionary=DICT_5X5_50" in address(page)

@@ -1,4 +1,4 @@
-"""The documentation as a newcomer uses it: quickstart, search, calls tried from the page."""
+"""Quickstart, search and trial calls of the documentation."""
 
 import json
 import re
@@ -17,9 +17,9 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 from infra.web_build.openapi import EXAMPLES_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import address, until
+from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
 from tests.helpers.rig_vectors import RIGS_PATH
 
@@ -28,26 +28,16 @@ from .conftest import ROOT
 KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
 BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
 #: two cameras of 640 x 480 px
-CAMERAS = """
-  const devices = [1, 2].map((each) => ({ kind: "videoinput", deviceId: `${each}`, label: `C ${each}` }));
+CAMERAS = f"""
+  {CAMERA.replace("HD Pro Webcam C920 (046d:082d)", "C 1").replace("1280", "640").replace("720", "480")}
+  const devices = [1, 2].map((each) =>
+    ({{ kind: "videoinput", deviceId: `${{each}}`, label: `C ${{each}}` }}));
   navigator.mediaDevices.enumerateDevices = async () => devices;
-  navigator.mediaDevices.getUserMedia = async () => {
-    const canvas = Object.assign(document.createElement("canvas"), { width: 640, height: 480 });
-    canvas.getContext("2d").fillRect(0, 0, 640, 480);
-    const stream = canvas.captureStream(30);
-    const settings = { width: 640, height: 480 };
-    for (const track of stream.getVideoTracks()) {
-      Object.defineProperty(track, "label", { value: "C 1" });
-      track.getSettings = () => settings;
-    }
-    return stream;
-  };
 """
 
 
 @pytest.fixture(scope="module")
 def token(stack: str) -> dict[str, Any]:
-    """A token as somebody makes it for pages of their own machine."""
     made = httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}, timeout=60)
     assert made.status_code == 201, made.text
     return made.json()
@@ -55,7 +45,6 @@ def token(stack: str) -> dict[str, Any]:
 
 @pytest.fixture
 def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[str]:
-    """Address of the quickstart's page, served as it says, with one's own token."""
     (block,) = [block for block in blocks("docs/quickstart.md") if block.language == "html"]
     page = block.code.replace(SITE, stack).replace("cdb_dev_local", token["token"])
     (tmp_path / "index.html").write_text(page)
@@ -63,12 +52,11 @@ def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[st
         yield address.replace("127.0.0.1", "localhost")
 
 
-def test_quickstart_ends_with_a_page_that_knows_its_camera(
+def test_quickstart_ends_with_a_known_camera(
     context: BrowserContext, quickstart: str, stack: str, api: httpx.Client
 ) -> None:
-    page = context.new_page()  # an unknown camera is an error in the console
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    page = context.new_page()
+    errors = uncaught(page)
     page.add_init_script(CAMERAS + BLIND_DETECTOR)
     page.goto(quickstart)
     page.get_by_role("button", name="Open the camera").click()
@@ -78,27 +66,25 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
     asked = {name: values[0] for name, values in parse_qs(urlsplit(page.url).query).items()}
     assert asked["return_to"] == quickstart
     key = {"camera": asked["camera"], "platform": asked["platform"], "img_size": [1280, 720]}
-    state = capture(api, Truth(), key, seed=3)  # the capture itself has its own tests
+    state = capture(api, Truth(), key, seed=3)
     page.goto(f"{stack}/result/?id={state['calibration_id']}&return_to={asked['return_to']}")
     page.locator("#return").click()
     expect(page.locator("#answer")).to_contain_text("camera_matrix")
     answer = json.loads(page.locator("#answer").inner_text())
     assert answer["camera_matrix"] == state["calibration"]["camera_matrix"]
-    assert address(page) == quickstart, "the address is clean again"
+    assert address(page) == quickstart
     assert errors == []
 
 
 def script(source: str) -> str:
-    """The JavaScript of a document, as a reader pastes it: one block after the other, and nothing else."""
     codes = [block.code for block in blocks(source) if block.language == "js" and block.reason is None]
     assert codes
     return "\n".join([*codes, "globalThis.done = true;"])
 
 
-def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack: str) -> None:
+def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> None:
     page = context.new_page()
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    errors = uncaught(page)
     page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
     page.route("**/known/**", lambda route: route.fulfill(status=404))
     page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=rig_result()))
@@ -117,7 +103,6 @@ def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack
 
 
 def rig_result() -> dict[str, Any]:
-    """Answer of the service to the pair of OpenCV's samples."""
     pair = json.loads(RIGS_PATH.read_text())[0]
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
     return {
@@ -135,7 +120,7 @@ def send(html: str, route: Route) -> None:
 
 
 @pytest.mark.parametrize("tampered", [False, True])
-def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
+def test_pinned_sdk_runs_unchanged_or_not_at_all(
     context: BrowserContext, stack: str, tmp_path: Path, tampered: bool
 ) -> None:
     manual = httpx.get(f"{stack}/docs/sdk/").text
@@ -165,7 +150,7 @@ def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
         assert page.evaluate("globalThis.found") == (None if tampered else "function")
 
 
-def test_search_finds_and_calls_can_be_tried_with_ones_own_token(page: Page, token: dict[str, Any]) -> None:
+def test_search_and_calls_with_an_own_token(page: Page, token: dict[str, Any]) -> None:
     kept = [
         {
             "id": token["id"],

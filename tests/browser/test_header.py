@@ -1,4 +1,4 @@
-"""Header of all pages: language by the address, menus by keyboard and without scripts."""
+"""Language and menu of the header."""
 
 from playwright.sync_api import Page, expect
 
@@ -7,23 +7,21 @@ from tests.helpers.browser.waiting import address
 from .conftest import Visitor
 
 
-def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visitor: Visitor) -> None:
+def test_a_german_visitor_keeps_query_and_choice(visitor: Visitor) -> None:
     page = visitor(locale="de-DE").new_page()
     page.goto("/terms/?query=c920#data")
     page.locator("h1", has_text="Nutzungsbedingungen").wait_for()
     assert address(page).endswith("/de/terms/?query=c920#data")
-    # English, chosen, stays: here, and wherever an address says no language.
     page.locator("#language").select_option("en")
     page.locator("nav summary", has_text="Calibrate").wait_for()
     assert "/de/" not in address(page)
     page.goto("/privacy/")
     page.locator("h1", has_text="Privacy").wait_for()
-    # A shared address says its language to everybody.
     page.goto("/uk/terms/")
     page.locator("h1", has_text="Умови користування").wait_for()
 
 
-def test_pages_read_and_lead_on_in_their_language_without_scripts(visitor: Visitor) -> None:
+def test_pages_keep_their_language_without_scripts(visitor: Visitor) -> None:
     page = visitor(java_script_enabled=False, viewport={"width": 320, "height": 640}).new_page()
     page.goto("/de/cameras/")
     expect(page.locator("h1").first).to_have_text("Kameras")

@@ -1,4 +1,4 @@
-"""Calibration from another program's file: its keypoints through a session, the rest explained."""
+"""Calibration files of other programs."""
 
 import functools
 import json
@@ -13,6 +13,7 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 from calibsolver import Board, View, fit
 from calibsolver.formats import ExportSource, write
 from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.waiting import shown_calibration, uncaught
 from tests.helpers.data import corner_views
 from tests.helpers.solver.export_sources import subject
 
@@ -26,7 +27,6 @@ SENT = {
 
 @functools.cache
 def captured() -> tuple[ExportSource, tuple[int, int]]:
-    """Keypoints of a real camera's 13 views, and the camera that a fit of all of them gives."""
     views, size = corner_views("opencv_right")
     fitted = fit(views, size)
     source = ExportSource(
@@ -36,7 +36,6 @@ def captured() -> tuple[ExportSource, tuple[int, int]]:
 
 
 def numbered(name: str) -> tuple[View, ...]:
-    """Views of a set, their corners as the board numbers them."""
     return tuple(BOARD.view(np.arange(len(view)), view.image_points) for view in corner_views(name)[0])
 
 
@@ -75,16 +74,12 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     assert telling(sent) == [], "nothing is sent before one asks for it"
     picture(page, f"import-{form}", ["hand"], full=True)
     expect(page.locator("#kind")).to_have_value("photographs")
-    expect(page.locator("#camera"), "as the file's name says").to_have_value("lifecam hd 3000 045e 0779")
+    expect(page.locator("#camera")).to_have_value("lifecam hd 3000 045e 0779")
     page.locator("#camera").fill(f"{NAME}, {form}")
     page.locator("#start").click()
     page.locator("#verdict").wait_for()
-    calibration = json.loads(page.locator("#json").text_content() or "")
+    calibration = shown_calibration(page)
     ours, theirs = calibration["camera_matrix"][0][0], float(kept.camera.matrix[0, 0])
-    taken = page.locator("#views .taken").count()
-    print(
-        f"{form}: {taken} views taken, fx {ours:.2f} against {theirs:.2f}: {100 * (ours / theirs - 1):+.3f} %"
-    )
     assert abs(ours / theirs - 1) < 0.003, "every view counts; the shape of the board moves it by some"
     assert calibration["platform"] == "photographs"
     assert "/result/?id=" in page.url
@@ -97,10 +92,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
             assert set(json.loads(request.post_data)) <= SENT
 
 
-def test_keypoints_that_determine_too_little_are_not_stored_and_a_poor_result_has_its_verdict(
-    page: Page, tmp_path: Path
-) -> None:
-    """A fit of four views of opencv_left expects more than 3 px at 1280 px."""
+def test_too_few_views_are_not_stored_and_a_poor_result_has_its_verdict(page: Page, tmp_path: Path) -> None:
     page.goto("/import/")
     calibrate_views(page, tmp_path, 3)
     page.locator("#status", has_text="A calibration needs four views that agree").wait_for()
@@ -116,7 +108,6 @@ def test_keypoints_that_determine_too_little_are_not_stored_and_a_poor_result_ha
 
 
 def calibrate_views(page: Page, folder: Path, count: int) -> None:
-    """Import the first views of opencv_left, and calibrate."""
     content = write(replace(captured()[0], views=numbered("opencv_left")[:count]), "photonvision")
     give(page, folder, content.filename, content.content)
     page.locator("#kind").select_option("photographs")
@@ -125,10 +116,8 @@ def calibrate_views(page: Page, folder: Path, count: int) -> None:
 
 
 def test_a_file_without_keypoints_is_converted_and_compared(context: BrowserContext, tmp_path: Path) -> None:
-    """It is opened here; when somebody asks, it is shown, written for other programs, and compared."""
-    page = context.new_page()  # browsers write down the 422 of a file without a size
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    page = context.new_page()
+    errors = uncaught(page)
     held = subject("rectilinear")
     sent: list[Request] = []
     page.goto("/import/")
@@ -161,7 +150,6 @@ def test_a_file_without_keypoints_is_converted_and_compared(context: BrowserCont
     bodies = [json.loads(request.post_data) for request in sent if request.post_data]
     assert all(set(body) <= {"file", "encoding", "format", "camera", "img_size"} for body in bodies)
 
-    # The size that a file does not state is asked for.
     give(page, tmp_path, "k.yaml", b"K: [900, 0, 640, 0, 900, 360, 0, 0, 1]\nD: [0.1, 0, 0, 0, 0]\n")
     page.locator("#open-file").click()
     expect(page.locator("#convert-status")).to_contain_text("Enter their size")

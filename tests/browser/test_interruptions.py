@@ -1,6 +1,5 @@
 """Interruptions of a capture: no captured view is lost."""
 
-import json
 import re
 
 import pytest
@@ -8,17 +7,13 @@ from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
-    FOCUS,
     FULL,
     HIDE,
     KILL,
-    PATIENT,
-    STORED_VIEWS,
     TURN,
     UNPLUG_WITH_A_VIEW,
     VIRTUAL,
     WORKERS,
-    sent_views,
     sessions,
     stop,
     views,
@@ -45,17 +40,17 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     page.locator("#undo:enabled").wait_for()
     page.evaluate(TURN)
     hear(page, "notice", "a separate calibration")
-    assert [json.loads(request.post_data or "")["img_size"] for request in begun] == [
+    assert [request.post_data_json["img_size"] for request in begun] == [
         [640, 360],
         [360, 640],
     ]
     for session, view in sent:  # nothing of one picture goes to the other's session
         assert session == 1
-        assert all(x < 640 and y < 360 for x, y in json.loads(view.post_data or "")["points"])
-    expect(page.locator(".virtual-camera"), "the camera before is let go").to_have_count(1)
+        assert all(x < 640 and y < 360 for x, y in view.post_data_json["points"])
+    expect(page.locator(".virtual-camera")).to_have_count(1)
 
 
-def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_loses_views(
+def test_no_interruption_loses_views(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()  # Chromium complains of the frame that died with the worker, and of an outage
@@ -64,7 +59,7 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_los
     listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
-    page.locator("#stop").dblclick()  # in haste, which counts once
+    page.locator("#stop").dblclick()
     hear(page, "stop", r"^Stop\?$")
     hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
@@ -97,20 +92,19 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_los
 
 
 def expect_to_continue_without_the_service(page: Page) -> None:
-    """Reload a capture during an outage, and end the outage: views and session are as before."""
     taken = views(page)
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
     hear(page, "opening-text", "connection to calibDB is lost. Trying again")
     # It is not waited for: the page has targets of its own.
     expect(page.locator("#away")).to_contain_text("No connection. Continue")
-    target = page.locator("#target[points*=',']")  # until there are enough views
+    target = page.locator("#target[points*=',']")
     assert len((target.get_attribute("points") or "").split()) == 4
     page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
     page.evaluate(HIDE, True)  # no view comes between two presses
     picture(page, "capture-away", ["hand"])
 
-    def is_refused() -> bool:  # what was taken meanwhile is taken back, before
+    def is_refused() -> bool:
         page.locator("#undo:enabled").click()
         return any("only once calibDB is back" in said for said in heard(page, "notice"))
 
@@ -129,7 +123,6 @@ def expect_to_continue_without_the_service(page: Page) -> None:
 
 
 def expect_to_end_without_the_service(page: Page) -> None:
-    """Stop a capture during an outage: nothing is asked for any more, and nothing is offered again."""
     page.route("**/v1/**", lambda route: route.abort())
     page.locator("#away", has_text="No connection").wait_for()
     stop(page)
@@ -138,7 +131,7 @@ def expect_to_end_without_the_service(page: Page) -> None:
 
 
 @pytest.mark.thorough
-def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_back(
+def test_offline_capture_ends_and_is_sent_later(
     context: BrowserContext,
 ) -> None:
     page = context.new_page()
@@ -167,10 +160,7 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("lens", ["chosen", "detected"])
-def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
-    context: BrowserContext, lens: str
-) -> None:
-    """Somebody who chose a type is asked; where it is detected, the suggested one is taken by itself."""
+def test_suggested_model_starts_with_the_views_so_far(context: BrowserContext, lens: str) -> None:
     page = context.new_page()
     begun = sessions(page)
 
@@ -190,42 +180,9 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     until(page, lambda: views(page) >= 1)
     expect(page.locator("#lens")).to_have_value("rational")
     expect(page.locator("#model")).to_be_hidden()
-    models = [json.loads(request.post_data or "")["distortion_model"] for request in begun]
+    models = [request.post_data_json["distortion_model"] for request in begun]
     assert models == ["rectilinear", "rational"]
     assert "distortion_model=rational" in address(page)
-
-
-@pytest.mark.thorough
-def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:
-    page = context.new_page()
-    page.add_init_script(FOCUS + PATIENT)
-    begun, sent = sessions(page), sent_views(page)
-    listen(page)
-    page.goto(ENDLESS)
-    wait_for_views(page, 2)
-    focus = [json.loads(request.post_data or "")["track"].get("focusDistance") for request in begun]
-    assert focus == [None, 0.4], "before the first view it is begun anew with the focus that is held"
-    expired = begun[-1].headers["authorization"]
-    problem = (
-        '{"type": "https://calibdb.example/problems/session-expired", "status": 403, "detail": "expired"}'
-    )
-
-    def refuse(route: Route) -> None:
-        if route.request.headers.get("authorization") != expired:
-            return route.fallback()
-        return route.fulfill(status=403, body=problem, content_type="application/problem+json")
-
-    page.route("**/v1/session**", refuse)
-    before, told = views(page), len(sent)
-    captured = [view["points"] for view in page.evaluate(STORED_VIEWS) if view["taken"]]
-    page.locator("#skip").click()
-    hear(page, "notice", "The session had expired. A new session has your views")
-    wait_for_views(page, before)
-    assert len(begun) == 3
-    assert json.loads(begun[-1].post_data or "")["track"]["focusDistance"] == 0.4
-    assert len(captured) >= 2
-    assert [view in sent[told:] for view in captured] == [True] * len(captured), "they are sent again"
-    expect(page.locator("#failed")).to_be_hidden()
 
 
 @pytest.mark.thorough

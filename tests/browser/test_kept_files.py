@@ -1,4 +1,4 @@
-"""The service worker: what it keeps, what it must not, and how a new version takes over."""
+"""The service worker's files, and the weight of pages."""
 
 import gzip
 import hashlib
@@ -27,7 +27,6 @@ VERSION = "async () => (await (await caches.match('/shell.json')).json()).versio
 
 
 def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
-    """Wait until the worker has kept its files and is in charge; return their names."""
 
     def found() -> list[str]:
         names: list[str] = page.evaluate(CACHED_FILES)
@@ -39,16 +38,12 @@ def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
     return names
 
 
-def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
-    visitor: Visitor, stack: str
-) -> None:
+def test_pages_open_offline_and_a_new_version_takes_over(visitor: Visitor, stack: str) -> None:
     context = visitor(base_url=stack.replace("127.0.0.1", HOST), service_workers="allow")
     page = context.new_page()
     page.goto("/terms/")
     found = kept(page)
-    assert any(each.startswith("/calibrate/main.js?sha256=") for each in found), (
-        "also what was not yet visited"
-    )
+    assert any(each.startswith("/calibrate/main.js?sha256=") for each in found)
     assert not [each for each in found if "/v1/" in each or "config.json" in each or "openapi" in each]
     context.set_offline(True)
     page.goto("/board/?squares=8x5")
@@ -62,7 +57,6 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
     page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")
     assert not [each for each in page.evaluate(CACHED_FILES) if "/v1/" in each]
 
-    # A new version takes over whole.
     before = kept(page)
     listed: dict[str, Any] = page.evaluate("async () => (await fetch('/shell.json')).json()")
     newer = (ROOT / "web" / "board" / "board.css").read_bytes() + b"/* newer */"
@@ -70,7 +64,7 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
     listed["version"] = "newer"
     listed["files"]["board/board.css"] = digest
     deployed = False
-    logged: list[str] = []  # by the worker
+    logged: list[str] = []
     context.service_workers[0].on("console", lambda message: logged.append(message.text))
 
     def styles(route: Route) -> None:
@@ -114,12 +108,10 @@ def test_pages_are_light(context: BrowserContext, path: str) -> None:
         body = response.body()
         sizes[name] = len(body) if name.endswith(".woff2") else len(gzip.compress(body, 6))
     total = sum(sizes.values())
-    print(f"{path}: {total / 1000:.1f} kB in {len(sizes)} files")
     assert total < HEAVIEST
     if path == "/calibrate/":
         detector = next(index for index, name in enumerate(begun) if "/vendor/opencv/" in name)
         early = [name for name in begun[:detector] if name.startswith("http")]
         weight = sum(sizes[name] for name in early)
-        print(f"before the detector: {weight / 1000:.1f} kB in {len(early)} files")
         assert len(early) <= MAX_REQUESTS, early
         assert weight <= MAX_BYTES

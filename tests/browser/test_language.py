@@ -1,10 +1,11 @@
-"""Languages: texts that follow a change in the middle of a task, and frames in one language alone."""
+"""Change of language within a task."""
 
 import re
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import no_network, unreadable
 from tests.helpers.browser.waiting import at_rest, until
 from tests.helpers.marks import thorough
@@ -44,7 +45,7 @@ def speak(page: Page, language: str) -> None:
     page.locator("#language").select_option(language)
 
 
-def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) -> None:
+def test_messages_follow_the_language(page: Page) -> None:
     page.goto("/?lang=en")
     page.locator("#look").click()
     page.locator("#outcome", has_text="No camera was found").wait_for()
@@ -66,18 +67,10 @@ def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) 
     expect(page.locator("#status")).not_to_contain_text("cannot")
 
 
-@pytest.mark.thorough
-def test_what_a_search_has_found_is_said_again_in_another_language(page: Page) -> None:
-    page.goto("/cameras/?query=nobodys&lang=en")
-    page.locator("#status", has_text="No camera found. Be the first").wait_for()
-    speak(page, "uk")
-    page.locator("#status", has_text="Камеру не знайдено.").wait_for()
-
-
-def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_every_language(
+def test_outages_and_refusals_are_reported_in_every_language(
     context: BrowserContext,
 ) -> None:
-    page = context.new_page()  # refused requests are errors in the console
+    page = context.new_page()
     for path in PATHS if THOROUGH else PATHS[-1:]:
         no_network(page)
         page.goto(f"{path}&lang=en")
@@ -91,14 +84,22 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
         page.unroute("**/v1/**")
 
 
+def test_what_is_not_there_is_said_in_the_language_of_the_page(context: BrowserContext) -> None:
+    page = context.new_page()
+    for path in PATHS[1:] if THOROUGH else PATHS[1:2]:
+        page.goto(f"/de{path}")
+        page.locator("#waiting p", has_text="gibt es").wait_for()
+        expect(page.locator("#waiting .actions a:visible")).to_have_count(2)
+    picture(page, "missing", ["hand"])
+
+
 @pytest.mark.parametrize(
     ("language", "path"),
     [("de", "/"), *thorough(("uk", "/calibrate/"), ("de", "/result/?id=none"))],
 )
-def test_no_frame_of_english_is_painted_for_who_reads_another_language(
+def test_no_frame_of_english_is_painted_in_another_language(
     visitor: Visitor, language: str, path: str
 ) -> None:
-    """Over a slow line, from an English address: no text of the English page, no name of a text."""
     context = visitor(locale=f"{language}-XX")
     shown: list[str] = []
     painted: list[str] = []
@@ -120,6 +121,6 @@ def test_no_frame_of_english_is_painted_for_who_reads_another_language(
         page.locator("#language[data-in-place]").wait_for()
     until(page, lambda: painted and len(set(shown) & own) > 3)
     assert painted == [language], f"{path}: documents of which something was painted"
-    assert len(set(shown) & own) > 3, "the frames were looked at"
+    assert len(set(shown) & own) > 3
     foreign = {text for text in shown if text in english - own or re.fullmatch(r"[a-z_]+\.[a-z_]+", text)}
     assert foreign == set(), path

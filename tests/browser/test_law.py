@@ -1,11 +1,11 @@
-"""Privacy notice, terms, data page: the operator, receipts of this browser, figures of the database."""
+"""Privacy notice, terms and data page."""
 
 import json
 
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import violations
-from tests.helpers.browser.specimens import dump, statistics
+from tests.helpers.browser.specimens import answer, dump, statistics
 
 OPERATOR = {
     "name": "Lens Society",
@@ -13,10 +13,6 @@ OPERATOR = {
     "imprint": "Lens Society|1 Optics Road",
 }
 MINE = "c4-x-0123456789ab-0123456789abcdef0123"
-
-
-def answer(page: Page, path: str, content: object) -> None:
-    page.route(f"**{path}", lambda route: route.fulfill(json=content))
 
 
 def test_notice_shows_operator_and_receipts(page: Page) -> None:
@@ -27,7 +23,7 @@ def test_notice_shows_operator_and_receipts(page: Page) -> None:
         {"id": MINE, "camera": "My <i>webcam</i>", "time": 1_790_000_000_000, "receipt": "eyJzIjoi.signed"}
     ]
     page.evaluate("kept => localStorage.setItem('calibdb.receipts', kept)", json.dumps(kept))
-    answer(page, "/config.json", {"api": "/v1", "token": "cdb_dev_local", "operator": OPERATOR})
+    answer(page, "**/config.json", lambda: {"api": "/v1", "token": "cdb_dev_local", "operator": OPERATOR})
     page.set_viewport_size({"width": 320, "height": 700})
     page.emulate_media(color_scheme="dark")
     page.clock.set_fixed_time("2026-11-22T12:00:00Z")
@@ -57,13 +53,13 @@ def test_data_page_shows_figures_and_files(page: Page) -> None:
     page.goto("/data/")
     expect(page.locator("#status")).to_contain_text("Statistics appear after the first weekly run")
     expect(page.locator("#no-dump")).to_be_visible()
-    answer(page, "/dumps/statistics.json", statistics())
-    answer(page, "/dumps/latest.json", dump())
+    answer(page, "**/dumps/statistics.json", statistics)
+    answer(page, "**/dumps/latest.json", dump)
     page.set_viewport_size({"width": 360, "height": 800})
     page.goto("/de/data/")
     expect(page.locator("#calibrations")).to_have_text("1.330")
     expect(page.locator("#wanted-rows a").first).to_have_text("<b>Doubted</b> (046d:0800)")
-    expect(page.locator("#wanted-rows a")).to_have_count(11)  # one camera has no page
+    expect(page.locator("#wanted-rows a")).to_have_count(11)
     expect(page.locator("#wanted-rows tr")).to_have_count(12)
     first = dump()["files"][0]
     expect(page.locator(".digest").first).to_have_text(first["sha256"])

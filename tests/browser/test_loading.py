@@ -1,4 +1,4 @@
-"""Messages for files that cannot be loaded."""
+"""Files that are late or missing."""
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
@@ -9,7 +9,7 @@ from tests.helpers.browser.site_pages import UNHEARD
 from tests.helpers.browser.waiting import until
 
 
-def test_detector_that_cannot_be_loaded_is_said_in_plain_words(context: BrowserContext) -> None:
+def test_missing_detector_is_explained(context: BrowserContext) -> None:
     page = context.new_page()
     page.route("**/*.wasm", lambda route: route.abort())
     page.add_init_script(CAMERA)
@@ -20,7 +20,7 @@ def test_detector_that_cannot_be_loaded_is_said_in_plain_words(context: BrowserC
     ).wait_for()
 
 
-def test_settings_that_cannot_be_loaded_are_said_in_plain_words(context: BrowserContext) -> None:
+def test_missing_settings_are_explained(context: BrowserContext) -> None:
     page = context.new_page()
     page.route("**/config.json", lambda route: route.abort())
     page.goto("/")
@@ -28,8 +28,7 @@ def test_settings_that_cannot_be_loaded_are_said_in_plain_words(context: Browser
     page.locator("#outcome p", has_text="calibDB cannot be reached. Check the connection").wait_for()
 
 
-def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
-    """On a slow line the buttons are there before what they do."""
+def test_clicks_before_the_scripts_count(page: Page) -> None:
     pages = (
         # (page, its module, form to send or button to click, what then is there)
         ("/examples/arjs/", "**/examples/arjs/main.js", "#start", "#problem:not([hidden])"),
@@ -46,12 +45,11 @@ def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
     for address, module, button, there in pages:
         click_while_held(page, address, module, button)
         page.locator(there).first.wait_for(state="attached")
-        assert page.url.endswith(address), "its form was sent to nowhere"
+        assert page.url.endswith(address)
 
 
 @pytest.mark.thorough
-def test_every_button_is_heard_as_soon_as_the_scripts_have_run(page: Page) -> None:
-    """Then the clicks are given back that came before."""
+def test_every_button_is_heard_after_the_scripts(page: Page) -> None:
     others = tuple(f"{folder}/" for folder in (*LANGUAGES, "docs/reference"))
     pages = {key: text for key, text in made_files().items() if key.endswith(".html")}
     keys = [key for key, text in pages.items() if b"<button" in text and not key.startswith(others)]
@@ -65,7 +63,7 @@ def test_every_button_is_heard_as_soon_as_the_scripts_have_run(page: Page) -> No
     assert sum(seen for seen, _ in found.values()) >= len(found)
 
 
-def test_a_file_that_is_chosen_before_the_scripts_run_is_read(page: Page) -> None:
+def test_a_file_chosen_before_the_scripts_is_read(page: Page) -> None:
     held: list[Route] = []
     page.route("**/import/main.js", lambda route: held.append(route))
     page.goto("/import/", wait_until="commit")
@@ -77,7 +75,6 @@ def test_a_file_that_is_chosen_before_the_scripts_run_is_read(page: Page) -> Non
 
 
 def click_while_held(page: Page, address: str, module: str, button: str) -> None:
-    """Open a page, click a button while one of its modules is on its way, and let that one come."""
     held: list[Route] = []
     clicked = False
     page.route(module, lambda route: route.continue_() if clicked else held.append(route))

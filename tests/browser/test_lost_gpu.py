@@ -1,4 +1,4 @@
-"""Loss of the WebGL context: drawings come back with it, and a loss for good is reported."""
+"""Loss of the WebGL context."""
 
 import json
 from typing import Any
@@ -100,7 +100,7 @@ def check_drawn(sums: list[dict[str, Any]]) -> None:
 
 
 def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
-    page = context.new_page()  # which tells that the GPU was lost
+    page = context.new_page()
     page.goto(PLAIN)
     check_drawn(page.evaluate(DRAWN, calibration("rectilinear", HALF)))
 
@@ -111,8 +111,8 @@ def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InF
 
 
 @pytest.mark.thorough
-def test_overlays_go_on_with_the_gpu_and_say_so_where_it_is_lost_for_good(context: BrowserContext) -> None:
-    overlays = context.new_page()  # which tells that the GPU was lost
+def test_overlays_return_with_the_gpu_and_report_its_loss(context: BrowserContext) -> None:
+    overlays = context.new_page()
     overlays.goto(ADDRESS)
     overlays.locator("#rms:not(:empty)").wait_for()
     counts = overlays.evaluate(ON_THE_PAGE)

@@ -1,4 +1,4 @@
-"""The README's example as it stands, on a page of another origin, with the browser's own made-up camera."""
+"""The README's example on another origin."""
 
 import re
 from collections.abc import Iterator
@@ -15,7 +15,6 @@ from .conftest import ROOT
 
 @pytest.fixture
 def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
-    """Address of a page on another port, another origin, that holds the README's example."""
     example = re.search(r"```html\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     assert example is not None
     page = example[1].replace("http://127.0.0.1:8000", stack)

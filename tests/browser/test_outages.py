@@ -1,4 +1,4 @@
-"""A service that is away: nothing captured is lost, and the page says soon what happens."""
+"""Outages of the service during a capture."""
 
 import re
 from collections.abc import Callable
@@ -63,12 +63,12 @@ def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: s
         else:
             waited = [time for time, text, _, _ in first if text == "One moment"]
             # Longer than for a service that has started; the words come a moment after the request.
-            assert max(waited) - min(waited) > 2_000, "ms in which it was waited for"
+            assert max(waited) - min(waited) > 2_000
     met: list[float] = []  # ms, when each request was made that the outage met
 
     def answer(route: Route) -> None:
         if not met and route.request.method != "POST":
-            return route.continue_()  # it begins with a view
+            return route.continue_()
         met.append(float(route.request.headers["x-asked"]))
         return answers[outage](route)
 
@@ -92,6 +92,6 @@ def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: s
     page.unroute("**/v1/session**")
     page.locator("#away").wait_for(state="hidden")
     wait_for_views(page, there + 1)
-    assert [view["points"] in sent for view in kept] == [True] * len(kept), "what was kept is sent"
+    assert [view["points"] in sent for view in kept] == [True] * len(kept)
     if outage == "silent":
         assert [sent.count(view) for view in sent] == [1] * len(sent), "a late answer is one"

@@ -1,4 +1,4 @@
-"""Calibration from photographs and from a video: drawn ones, and real ones where CALIBDB_DATA has them."""
+"""Calibration from photos and videos, drawn and real ones."""
 
 import json
 import re
@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from calibsolver import Board
 from tests.helpers.browser import photographs
-from tests.helpers.browser.photographs import opencv_fx, sent_views
+from tests.helpers.browser.photographs import opencv_fit, sent_views
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.waiting import until
+from tests.helpers.browser.waiting import shown_calibration, until
 from tests.helpers.data import EXTERNAL, data_dir, external_data
 from tests.helpers.marks import thorough
 
@@ -21,15 +22,14 @@ BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"
 NAME = "LifeCam HD-3000"
 SIZES = ("640x480", "1280x720")
+PARAMETERS = ([0, 1, 0, 1], [0, 1, 2, 2])  # fx, fy, cx, cy of a matrix
 
 
 @dataclass(frozen=True)
 class Series:
-    """Photographs by one camera, one of another size, and what is known of the camera.
+    """Photos by one camera and one of another size.
 
-    `page` is where they are dropped: that of their board, or one that has to recognise it. `ratio` is fx
-    over the width, within `tolerance`; `named` is the camera's name as the files say it; `fewest` is how many
-    photographs the page must use at least.
+    `ratio`: fx over the width, within `tolerance`; `named`: the camera in the files; `fewest`: photos to use.
     """
 
     photographs: list[Path]
@@ -104,11 +104,16 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     expect(page.locator("#camera")).to_have_value(series.named or "Microsoft LifeCam HD-3000")
     calibrate(page)
     assert page.locator("#pictures .taken").count() >= series.fewest
-    calibration = json.loads(page.locator("#json").text_content() or "")
+    calibration = shown_calibration(page)
     fx = calibration["camera_matrix"][0][0]
-    expected, deviation = opencv_fx(Board(squares=(8, 8)), sent_views(sent), (640, 480))
-    print(f"fx {fx:.2f}, OpenCV with the same corners {expected:.2f} +- {deviation:.2f}")
-    assert abs(fx - expected) < deviation
+    rms, matrix, deviation = opencv_fit(Board(squares=(8, 8)), sent_views(sent), (640, 480))
+    ratio = np.array(calibration["camera_matrix"])[PARAMETERS] / matrix[PARAMETERS] - 1
+    error = calibration["avg_reprojection_error"] / rms - 1
+    print(f"fx {fx:.2f}, OpenCV with the same corners {matrix[0, 0]:.2f} +- {deviation:.2f}")
+    print(f"fx fy cx cy {100 * ratio} %, rms {rms:.4f} px {100 * error:+.2f} %")
+    assert abs(fx - matrix[0, 0]) < deviation
+    assert np.abs(ratio).max() < 0.01
+    assert abs(error) < 0.02
     assert fx / 640 == pytest.approx(series.ratio, abs=series.tolerance)
     assert (calibration["camera"], calibration["platform"]) == (NAME, "photographs")
     expect(page.locator(".views .source").first).to_contain_text(".jpg")
@@ -140,28 +145,8 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
         }  # fmt: skip
 
 
-@external_data
-@pytest.mark.thorough
-def test_larger_photographs_count_all_too(page: Page) -> None:
-    """All 16 of 1280 x 720 px, the board recognised, and nothing more is asked for."""
-    files = sorted((data_dir() / "photos" / "charuco_1280x720").glob("*.jpg"))
-    sent: list[Request] = []
-    page.goto("/photos/")
-    page.on("request", lambda request: sent.append(request))
-    page.locator("#files").set_input_files(files)
-    page.locator("#use-board").click()
-    page.locator("#status", has_text="The board was found in 16 of 16 photos").wait_for()
-    calibrate(page)
-    assert page.locator("#pictures .taken").count() == 16
-    fx = json.loads(page.locator("#json").text_content() or "")["camera_matrix"][0][0]
-    expected, deviation = opencv_fx(Board(squares=(8, 8)), sent_views(sent), (1280, 720))
-    print(f"fx {fx:.2f}, OpenCV with the same corners {expected:.2f} +- {deviation:.2f}")
-    assert abs(fx - expected) < deviation
-
-
 @pytest.mark.thorough
 def test_files_stay_while_the_board_changes(context: BrowserContext, series: Series) -> None:
-    """Another board than the one asked for is recognised; another can be chosen; no file is chosen twice."""
     page = context.new_page()
     page.goto("/photos/?squares=9x6")
     page.locator("#files").set_input_files([*series.photographs[:2], __file__])
@@ -187,6 +172,6 @@ def test_a_video_becomes_a_calibration(page: Page, series: Series, tmp_path: Pat
     page.locator("#files").set_input_files(film)
     page.locator("#status", has_text="video frames").wait_for()
     calibrate(page)
-    calibration = json.loads(page.locator("#json").text_content() or "")
+    calibration = shown_calibration(page)
     assert calibration["camera_matrix"][0][0] / 640 == pytest.approx(series.ratio, abs=0.03)
     assert calibration["platform"] == "video"

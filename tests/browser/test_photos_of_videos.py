@@ -1,13 +1,10 @@
-"""Real videos on the photos page: their board is recognised, and they become a calibration."""
+"""Real videos on the photos page."""
 
 import re
-from pathlib import Path
 
-import cv2
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
 
 pytestmark = [external_data, pytest.mark.alone, pytest.mark.thorough]
@@ -35,29 +32,9 @@ def test_video_has_a_result_with_its_address(
     page.locator("#status", has_text="video frames").wait_for()
     status = re.search(r"(\d+) of (\d+) video frames", page.locator("#status").text_content() or "")
     assert status is not None
-    assert int(status[2]) <= frames, "each frame is counted once"
+    assert int(status[2]) <= frames
     page.locator("#camera").fill("Webcam of a video")
     page.locator("#start").click()
     page.locator("#verdict").wait_for()
     assert "/result/?id=" in page.url
     expect(page.locator("#json")).to_contain_text("camera_matrix")
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [("caliscope_char0_mpeg4.mp4", WHITE_ON_BLACK), ("chessboard_uk.avi", "11 × 8 chessboard")],
-    ids=["hidden markers", "partly outside"],
-)
-def test_board_that_is_partly_seen_is_named_as_a_whole(
-    page: Page, tmp_path: Path, name: str, words: str
-) -> None:
-    film = tmp_path / "film.webm"  # browsers do not read the codecs of these files
-    frames = stop_and_go.frames_of(data_dir() / "videos" / name)
-    h, w = frames[0].shape[:2]
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"VP80"), 10, (w, h))
-    for frame in frames:
-        writer.write(frame)
-    writer.release()
-    page.goto("/photos/")
-    page.locator("#files").set_input_files(film)
-    expect(page.locator("#question-text")).to_contain_text(words)

@@ -1,6 +1,5 @@
-"""Real footage as the camera of the capture page: people who hold still, and do not follow the outline."""
+"""Real footage as the camera of the capture page."""
 
-import json
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import pytest
 from playwright.sync_api import Page, Playwright, expect
 
 from tests.helpers.browser import stop_and_go
+from tests.helpers.browser.waiting import shown_calibration
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.marks import thorough
 
@@ -51,10 +51,7 @@ WATCH = """
 
 @dataclass(frozen=True)
 class Footage:
-    """A video, the board in it as an address has it and as the page says it, and its first frame with it.
-
-    `ratio` is the focal length over the width, `tolerance` how far a poor calibration of it may be off.
-    """
+    """A video from its `first` frame with a board; `ratio`: fx over the width, within `tolerance`."""
 
     file: str
     query: str
@@ -105,7 +102,7 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
             page.locator("#use-board").click()
         page.locator("#done:not([hidden]) #verdict").wait_for(timeout=1000 * RESULT_S)
         seconds = time.monotonic() - began
-        calibration = json.loads(page.locator("#json").text_content() or "")
+        calibration = shown_calibration(page)
         ratio = calibration["camera_matrix"][0][0] / calibration["img_size"][0]
         print(
             f"{made.file}: result after {seconds:.0f} s, fx / width {ratio:.3f}, "
@@ -116,7 +113,7 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
         said = spans(page)
         assert not [text for text, _ in said if any(words in text for words in UNTRUE)]
         away = [(text, seconds) for text, seconds in said if "Show the board" in text and seconds > FALSE_S]
-        assert not away, "the board is in every pose"
+        assert not away
 
 
 @pytest.mark.thorough
@@ -136,35 +133,26 @@ def test_mirrored_footage_is_turned_back_by_one_click(
         assert "flipped=true" in page.url
 
 
-@dataclass(frozen=True)
-class Walk:
-    """Footage as it was taken, its frames/s, and its first frame with the board that the page names."""
-
-    file: str
-    rate: int
-    first: int
-    words: str
-
-
 @pytest.mark.thorough
 @pytest.mark.parametrize(
-    "walk",
+    ("file", "rate", "first", "words"),
     [
-        Walk("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco"),
-        Walk("chessboard_uk.avi", 30, 0, "11 × 8 chessboard"),
+        ("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco"),
+        ("chessboard_uk.avi", 30, 0, "11 × 8 chessboard"),
     ],
     ids=["hidden markers", "partly outside"],
 )
-def test_board_that_is_partly_seen_is_named_as_a_whole_and_asked_about(
-    playwright: Playwright, stack: str, tmp_path: Path, walk: Walk
+def test_partly_seen_board_is_named_as_a_whole(
+    playwright: Playwright, stack: str, tmp_path: Path, file: str, rate: int, first: int, words: str
 ) -> None:
-    frames = stop_and_go.frames_of(data_dir() / "videos" / walk.file)[walk.first :]
-    source = stop_and_go.write(tmp_path / "camera.y4m", [*frames, *frames[::-1]], walk.rate)
+    """Footage as it was taken, from its first frame with the board on."""
+    frames = stop_and_go.frames_of(data_dir() / "videos" / file)[first:]
+    source = stop_and_go.write(tmp_path / "camera.y4m", [*frames, *frames[::-1]], rate)
     with stop_and_go.camera(playwright, stack, source) as page:
         page.goto("/calibrate/")
         page.locator("#start").click()
         page.locator("#reticle:not([hidden])").wait_for()
         page.locator("#use-board").wait_for()
-        expect(page.locator("#remedy")).to_contain_text(walk.words)
+        expect(page.locator("#remedy")).to_contain_text(words)
         page.locator("#use-board").click()
         expect(page.locator("#corners .corner")).not_to_have_count(0)

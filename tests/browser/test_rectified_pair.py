@@ -1,4 +1,4 @@
-"""Rectified pairs of the SDK: what is drawn on the GPU is what OpenCV makes of the solver's rectification."""
+"""Rectified pairs of the SDK against OpenCV."""
 
 import base64
 import json
@@ -20,7 +20,7 @@ from .test_rectifier import camera, decoded
 
 SIZE = (1280, 720)
 HALF = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])  # px of a picture to those of its half
-PACKINGS = (None, "beside")  # the stereo example draws two pictures, too
+PACKINGS = (None, "beside")
 MIXED = ("fisheye", "rational")
 DRAWN = page_function("draw_pair")
 
@@ -65,4 +65,4 @@ def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page) -> None:
         x = found.q @ (700.5, 300.5, 12, 1)
         assert np.abs(np.array(made["point"]) - found.r1.T @ (x[:3] / x[3])).max() < 1e-6
         assert made["eye"] == "left"
-        assert made["early"] is False, "a video that shows nothing yet"
+        assert made["early"] is False

@@ -1,4 +1,4 @@
-"""The application that sent somebody to calibrate, and the ways to get a board, on the first sheet."""
+"""The application that a visitor came from."""
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -23,7 +23,7 @@ KNOWN = {
 }  # fmt: skip
 
 
-def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None:
+def test_sender_is_named_and_one_click_away(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     answer(page, "**/v1/cameras?*", lambda: KNOWN)
     page.goto(f"/calibrate/?{ASKED}&return_to=http://localhost:9000/app?a=b")
@@ -34,20 +34,18 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
     )
     expect(page.locator("#sender-known")).to_contain_text("2 more calibrations are needed")
     expect(page.locator("#go-back")).to_have_attribute("href", "http://localhost:9000/app?a=b")
-    expect(page.locator("#wanted"), "the camera is named once").to_have_text(
-        "No camera was found here. Plug it in."
-    )
+    expect(page.locator("#wanted")).to_have_text("No camera was found here. Plug it in.")
     expect(page.locator("#camera"), "the virtual camera does not stand in for a real one").to_have_value("")
     picture(page, "capture-sender", ["hand"])
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.getElementById('start').getBoundingClientRect().bottom") < 780
-    with page.expect_download() as paper:  # of a visitor from the United States
+    with page.expect_download() as paper:
         page.locator("#paper").click()
     assert paper.value.suggested_filename == "calibdb-board-letter.pdf"
 
 
 @pytest.mark.thorough
-def test_sender_that_gets_no_result_is_told_before_the_capture(page: Page) -> None:
+def test_sender_without_a_result_is_told_before(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     sender = page.locator("#sender")
     page.goto(f"/calibrate/?{ASKED}&return_to=http://app.example/")

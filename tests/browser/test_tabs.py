@@ -1,4 +1,4 @@
-"""A capture in one of several tabs, and in one that nobody sees."""
+"""Captures in several tabs."""
 
 import time
 
@@ -8,7 +8,7 @@ from playwright.sync_api import BrowserContext, Route, expect
 from tests.helpers.browser.interruptions import ENDLESS, sessions, views, wait_for_views
 from tests.helpers.browser.scripts import PLAIN
 
-BUSY_S = 2.0  # longer than another tab would be waited for
+BUSY_S = 2.0
 # Of a tab that is busy while a request is answered, or not at all.
 ACQUIRE = """async (isBusy) => {
   const held = window.held = new AbortController();
@@ -33,7 +33,7 @@ def answer_late(route: Route) -> None:
     route.fulfill(body="")
 
 
-def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
+def test_a_capture_belongs_to_one_tab(
     context: BrowserContext,
 ) -> None:
     first, second = context.new_page(), context.new_page()
@@ -67,4 +67,4 @@ def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> Non
     second.bring_to_front()
     second.locator("#again").click()
     second.locator("#controls:not([hidden])").wait_for()
-    assert views(second) >= 1, "it takes up what the first one had"
+    assert views(second) >= 1

@@ -1,4 +1,4 @@
-"""The site as a deployment uploads it: pages find every file under its hashed name."""
+"""The site under the hashed names of a deployment."""
 
 import threading
 from collections.abc import Iterator, Mapping
@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Response
 
 from infra.deploy.site import Upload, uploads
-from tests.helpers.browser.waiting import at_rest
+from tests.helpers.browser.waiting import at_rest, uncaught
 from tests.helpers.data import ROOT
 
 from ..conftest import THOROUGH
@@ -61,8 +61,7 @@ def site() -> Iterator[str]:
 
 def test_pages_find_their_files_and_raise_nothing(visitor: Visitor, site: str) -> None:
     page = visitor(base_url=site).new_page()
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
+    errors = uncaught(page)
     responses: list[Response] = []
     page.on("response", lambda response: responses.append(response))
     for path in PATHS if THOROUGH else PATHS[:2]:

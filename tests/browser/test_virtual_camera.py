@@ -1,14 +1,12 @@
-"""The whole guided capture, hands-free: a known camera, a board in hands that are not perfect."""
+"""Hands-free captures of the simulated camera."""
 
 import json
 from typing import Any
 
 import httpx
-import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, Page, Request
+from playwright.sync_api import Page, Request
 
-from calibdb.store.aliases import alias_digest
 from calibsolver import Camera
 from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.firefox import InFirefox
@@ -16,7 +14,7 @@ from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
 from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.truth import SMALL, Truth
-from tests.helpers.browser.waiting import address, until
+from tests.helpers.browser.waiting import address
 from tests.helpers.marks import thorough
 from tests.helpers.solver.synthetic import projection_error
 
@@ -44,18 +42,9 @@ def assert_true(
 
 LOOKUP = """async (key) =>
   (await import("/sdk/calibdb.js")).lookup(key, { token: "cdb_dev_local" })"""
-DURING_AN_OUTAGE = """async (key) => {
-  const { lookup } = await import("/sdk/calibdb.js");
-  const options = { token: "cdb_dev_local", cache: null, retries: 0 };
-  const error = await lookup({ ...key, camera: "Nobody's X9" }, options).catch(({ message }) => message);
-  return [(await lookup(key, options)).calibration, error];
-}"""
 
 
-def expect_known_after_five(
-    page: Page, api: httpx.Client, stack: str, first: dict[str, Any], truth: Truth
-) -> None:
-    """Capture with a page's key until its camera is known, and look it up with the SDK."""
+def expect_known_after_five(page: Page, api: httpx.Client, first: dict[str, Any], truth: Truth) -> None:
     key = {name: first[name] for name in ("camera", "platform", "img_size", "zoom")}
     for seed in range(4):
         capture(api, truth, key, seed)
@@ -66,21 +55,9 @@ def expect_known_after_five(
     found = page.evaluate(LOOKUP, key)
     assert (found["calibration"], found["guidanceUrl"]) == (known, None)
 
-    # While the service fails, the cached lookup answers for this camera, and says of others that it cannot.
-    w, h = truth.size
-    path = f"known/v1/{alias_digest(key['camera'], key['platform'])}/{w}x{h}/0/rectilinear.json"
-    until(page, lambda: httpx.get(f"{stack}/{path}").status_code == 200)
-    down = {"status": 503, "json": {"detail": "Service Unavailable"}}
-    page.route("**/v1/lookup", lambda route: route.fulfill(**down))
-    calibration, error = page.evaluate(DURING_AN_OUTAGE, key)
-    assert calibration == known
-    assert "cannot be asked now" in error
-
 
 @pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
-def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
-    page: Page, api: httpx.Client, stack: str, truth: Truth
-) -> None:
+def test_chromium_hands_free_with_keypoints_only(page: Page, api: httpx.Client, truth: Truth) -> None:
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
@@ -93,7 +70,7 @@ def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_know
     assert_true(stored, views(page), seconds, frames, "Chromium", truth)
     assert_only_keypoints(sent)
     if THOROUGH:
-        expect_known_after_five(page, api, stack, stored, truth)
+        expect_known_after_five(page, api, stored, truth)
 
 
 LOOKS = """
@@ -118,22 +95,3 @@ def test_hands_free_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     outcome = in_firefox(there, ENDED, LOOKS, size=(480, 480))
     assert outcome["failure"] == ""
     assert_true(json.loads(outcome["json"]), outcome["count"], *outcome["taken"], "Firefox")
-
-
-@pytest.mark.thorough
-def test_who_trembles_who_is_slow_and_who_goes_the_wrong_way_finishes_too(context: BrowserContext) -> None:
-    pages = {}
-    for seed, hand in enumerate(("shaky", "slow", "wrong")):
-        page = pages[hand] = context.new_page()
-        # Another camera each: one that is calibrated in two tabs at once is refused in the second.
-        page.goto(f"/calibrate/?{SMALL.query(hand=hand, rate=RATE, seed=seed, k3=seed * 1e-6)}")
-    for hand, page in pages.items():
-        page.bring_to_front()
-        page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
-        assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
-        found = Camera.from_record(json.loads(page.locator("#json").text_content() or ""))
-        errors = projection_error(SMALL.camera, found)
-        print(
-            f"{hand}: {page.locator('#counts').text_content()}, projection error mean {errors.mean():.3f} px"
-        )
-        assert np.mean(errors) < 0.4

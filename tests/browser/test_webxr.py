@@ -1,4 +1,4 @@
-"""WebXR that knows its camera: the browser's own, and on a webcam where that cannot augment reality."""
+"""WebXR on a webcam."""
 
 from typing import Any
 
@@ -17,7 +17,6 @@ COEFFICIENTS = [-0.25, 0.0625, 0, 0, 0]
 
 
 def held(name: str) -> str:
-    """Function that holds one of the sessions."""
     return script(f"{SESSIONS} return sessions.{name}();", label=LABEL)
 
 
@@ -26,7 +25,6 @@ def check_nothing(said: dict[str, Any]) -> None:
 
 
 def check_answered(said: dict[str, Any], answer: dict[str, Any]) -> None:
-    """A view says what the service does, in single precision and column by column."""
     matrix = np.array(answer["camera_matrix"]).T.ravel().astype(np.float32)
     coefficients = np.array(answer["distortion_coefficients"]).astype(np.float32)
     assert (said["matrix"], said["coefficients"]) == (matrix.tolist(), coefficients.tolist())
@@ -63,13 +61,11 @@ def check_immersive(seen: dict[str, Any]) -> None:
 
 @pytest.fixture
 def asking(context: BrowserContext) -> Page:
-    """A page that may complain: an unknown camera is a 404."""
     return context.new_page()
 
 
 @pytest.fixture
 def known(asking: Page) -> dict[str, Any]:
-    """Give the calibration of the one camera and size that are known."""
     known = known_camera(asking)
 
     def refuse_others(route: Route) -> None:
@@ -85,19 +81,6 @@ def known(asking: Page) -> dict[str, Any]:
     return known
 
 
-def test_the_browsers_own_inline_session(asking: Page, known: dict[str, Any]) -> None:
-    asking.goto(PLAIN)
-    seen = asking.evaluate(held("native"))
-    assert seen["native"] is True
-    for nothing in seen["nothing"]:
-        check_nothing(nothing)
-        assert nothing["views"] == 1, "and frames come"
-    assert seen["refused"] == "TypeError"
-    check_answered(seen["first"], known)
-    fisheye = {"distortion_model": "fisheye", "distortion_coefficients": [0.01, 0, 0, 0]}
-    check_answered(seen["second"], known | fisheye)
-
-
 def test_augmented_reality_on_a_webcam(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
     page.goto(PLAIN)
@@ -109,9 +92,7 @@ def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFire
     check_immersive(in_firefox(f"{stack}{PLAIN}", held("immersive"), size=(1440, 900)))
 
 
-def test_a_camera_that_is_turned_is_asked_for_again_and_never_has_the_former_ones_matrix(
-    asking: Page, known: dict[str, Any]
-) -> None:
+def test_a_turned_camera_is_looked_up_again_and_loses_its_matrix(asking: Page, known: dict[str, Any]) -> None:
     asking.goto(PLAIN)
     found = asking.evaluate(held("changing"))
     first, turned, again = found["seen"]

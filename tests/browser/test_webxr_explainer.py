@@ -1,4 +1,4 @@
-"""The samples of docs/webxr.md, run as they stand there."""
+"""The samples of docs/webxr.md."""
 
 import json
 import re
@@ -36,14 +36,12 @@ def sample(containing: str) -> str:
 
 @pytest.fixture
 def known(page: Page) -> dict[str, Any]:
-    """Give the calibration of the camera that the page opens."""
     page.add_init_script(CAMERA)
     return known_camera(page)
 
 
 @pytest.fixture
 def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
-    """Address of a page of another origin, which is the explainer's."""
     page = PAGE.replace(SERVICE, stack).replace("<video", '<link rel="icon" href="data:,"><video')
     (tmp_path / "index.html").write_text(page)
     with serving(tmp_path) as address:
@@ -78,7 +76,7 @@ def test_three_lines_of_a_page(page: Page, known: dict[str, Any], elsewhere: str
     assert seen["first"] == [matrix, coefficients, "rectilinear"]
     assert seen["known"] is True
     assert seen["size"] == [1280, 720]
-    assert 0 < seen["focal"] < 2 * matrix[0] / 1280, "wider than the picture"
+    assert 0 < seen["focal"] < 2 * matrix[0] / 1280
 
 
 def test_none_is_left_out() -> None:
@@ -111,10 +109,11 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
           const layer = session.renderState.baseLayer;
           if (!views[1].distortionModel) return session.requestAnimationFrame(next);
           const seen = views.map((view) => ({{
-            ...look(view), eye: view.eye, p: [...view.projectionMatrix], m: [...view.transform.matrix],
+            ...look(view),
+            eye: view.eye,
             viewport: [layer.getViewport(view)].map((each) => [each.x, each.width])[0],
           }}));
-          done({{ seen, shown: shown(), stage: [innerWidth, innerHeight] }});
+          done({{ seen, shown: shown() }});
         }};
         session.requestAnimationFrame(next);
       }});
@@ -128,18 +127,9 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
         assert view["matrix"][0] == np.float32(pair[side]["camera_matrix"][0][0])
     assert [left["viewport"], right["viewport"]] == [[0, 400], [400, 400]]
     assert (found["shown"], found["left"]) == (2, 0)
-    # Both look along the same axis, and the right one is one baseline to the right, in metres.
-    one, other = (np.reshape(view["m"], (4, 4)).T for view in (left, right))
-    assert np.abs(one[:3, :3] - other[:3, :3]).max() < 1e-6
-    step = one[:3, :3].T @ (other[:3, 3] - one[:3, 3])
-    assert step == pytest.approx([0.03 * np.linalg.norm(pair["pose"]["tvec"]), 0, 0], abs=1e-6)
-    # The picture covers its half of the window, so its focal length is scaled by the larger ratio.
-    width, height = found["stage"]
-    scale = max(width / 2 / 640, height / 480)
-    assert left["p"][0] == pytest.approx(2 * pair["P1"][0][0] * scale / (width / 2), rel=1e-6)
 
 
-def test_the_picture_straightened_then_a_provider_of_its_own_and_raw_camera_access(
+def test_straightened_picture_own_provider_and_raw_camera_access(
     page: Page, known: dict[str, Any], stack: str
 ) -> None:
     page.goto(PLAIN)

@@ -1,20 +1,17 @@
-"""An application of three.js, written for phones, on a webcam: unchanged, and in the right place."""
-
-from typing import Any
+"""An application of three.js, unchanged, on a webcam."""
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-import pytest
 from playwright.sync_api import Page, Route, ViewportSize
 
-from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.pictures import shot
 from tests.helpers.browser.scripts import FOLDER, PLAIN
 from tests.helpers.browser.truth import SMALL, Truth
 from tests.helpers.browser.waiting import until
 from tests.helpers.browser.webxr import LABEL, known_camera, script
 
-from .conftest import OUTPUT, ROOT
+from .conftest import ROOT
 
 Array = npt.NDArray[np.float64]
 
@@ -24,8 +21,8 @@ FILES = {file.name: file for folder in FOLDERS for file in THREE.glob(f"{folder}
 APPLICATION = (FOLDER / "webxr_three.js").read_text()
 #: camera frame, x right, y down, z forward; the second is near a corner of the picture
 POINTS = np.array([[0.0, 0.0, 4.0], [-2.2, 0.85, 4.0], [1.2, -0.6, 3.0]])
-WIDE, SMALLER = (1440, 900), (960, 600)
-BLUE, GREEN, RED = range(3)  # as OpenCV reads pictures
+WINDOW = ViewportSize(width=960, height=600)
+GREEN, RED = 1, 2
 
 
 def serve(route: Route) -> None:
@@ -44,69 +41,28 @@ def middles(picture: npt.NDArray[np.uint8], channel: int) -> Array:
     return np.array(sorted(found, key=lambda place: place[0]))
 
 
-@pytest.fixture
-def known(page: Page) -> dict[str, Any]:
+def test_a_scene_lies_on_the_straightened_picture(page: Page) -> None:
     known = known_camera(page) | {"img_size": SMALL.size, "camera_matrix": SMALL.matrix.tolist()}
     page.route("**/v1/lookup", lambda route: route.fulfill(json=known))
-    return known
-
-
-def shown(page: Page, marks: Array, window: tuple[int, int], *, rectify: bool) -> tuple[Array, Array]:
-    """Run the application over a picture with green `marks`; give where these and its red balls are, px."""
-    page.set_viewport_size(ViewportSize(width=window[0], height=window[1]))
+    distortion = np.array(known["distortion_coefficients"])
+    marks = cv2.projectPoints(POINTS, np.zeros(3), np.zeros(3), SMALL.matrix, distortion)[0].reshape(-1, 2)
+    bent = np.linalg.norm(marks - (POINTS @ SMALL.matrix.T)[:, :2] / POINTS[:, 2:], axis=1)
+    assert bent.max() > 30 * SMALL.size[0] / Truth.size[0]
+    page.set_viewport_size(WINDOW)
     page.route("**/three/*.js", serve)
     page.goto(PLAIN)
-    constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist(), "rectify": rectify}
+    constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist()}
     page.evaluate(script(f"{APPLICATION} await run();", **constants))
 
     def seen() -> tuple[Array, Array] | None:
-        taken = page.screenshot(path=OUTPUT / f"webxr_three_{rectify}.png")
-        picture = np.asarray(cv2.imdecode(np.frombuffer(taken, np.uint8), cv2.IMREAD_COLOR), dtype=np.uint8)
+        picture = shot(page)
         green, red = middles(picture, GREEN), middles(picture, RED)
         return (green, red) if len(green) == len(red) == len(POINTS) else None
 
     found = until(page, seen)  # camera and scene have rates of their own
     assert found is not None
-    page.locator("svg:visible").last.click()  # the application's own cross
+    green, red = found
+    assert np.linalg.norm(green - red, axis=1).max() < WINDOW["width"] / 1440, "a pixel of a wide window"
+    page.locator("svg:visible").last.click()
     page.evaluate("over")
     assert page.locator("video").evaluate("(video) => video.parentNode === document.body")
-    return found
-
-
-@pytest.mark.thorough
-def test_a_scene_is_where_a_pinhole_sees_it(page: Page, known: dict[str, Any]) -> None:
-    seen = POINTS @ np.array(known["camera_matrix"]).T
-    pixels = seen[:, :2] / seen[:, 2:]
-    marks, balls = shown(page, pixels, WIDE, rectify=False)
-    # The picture covers the window, in the middle.
-    width, height = SMALL.size
-    scale = max(WIDE[0] / width, WIDE[1] / height)
-    expected = (pixels + 0.5 - (width / 2, height / 2)) * scale + (WIDE[0] / 2, WIDE[1] / 2)
-    expected = expected[expected[:, 0].argsort()]
-    for name, found in (("marks", marks), ("balls", balls)):
-        off = np.linalg.norm(found - expected, axis=1)
-        print(f"{name}: {off.round(3)} px off")
-        assert off.max() < 1
-
-
-def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, Any]) -> None:
-    matrix, distortion = (np.array(known[name]) for name in ("camera_matrix", "distortion_coefficients"))
-    seen = (
-        cv2.projectPoints(POINTS, np.zeros(3), np.zeros(3), matrix, distortion)[0]
-        .reshape(-1, 2)
-        .astype(float)
-    )
-    bent = np.linalg.norm(seen - (POINTS @ matrix.T)[:, :2] / POINTS[:, 2:], axis=1)
-    marks, balls = shown(page, seen, SMALLER, rectify=True)
-    off = np.linalg.norm(marks - balls, axis=1)
-    print(f"distortion moves the points by {bent.round(1)} px; {off.round(3)} px off")
-    assert bent.max() > 30 * SMALL.size[0] / Truth.size[0]
-    assert off.max() < SMALLER[0] / WIDE[0], "a pixel of the wide window"
-
-
-@pytest.mark.thorough
-def test_its_manager_runs_in_firefox_too(stack: str, in_firefox: InFirefox) -> None:
-    seen = in_firefox(f"{stack}{PLAIN}", script(f"{APPLICATION} return managed();"))
-    assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")
-    assert seen["three"] == pytest.approx(seen["p"], abs=1e-6)
-    assert (seen["eyes"], seen["drawn"], seen["presenting"]) == (1, 12, False)

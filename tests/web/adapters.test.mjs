@@ -1,4 +1,3 @@
-// The engines' own matrices and vectors put points where our pinhole does.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { PerspectiveCamera, Raycaster, Vector2, Vector3, WebGPUCoordinateSystem } from "three";
@@ -147,7 +146,7 @@ for (const rightHanded of [false, true]) {
   });
 }
 
-test("depth is as Babylon.js would have it, infinitely far planes and reversed buffers included", () => {
+test("depth is Babylon.js', for every kind of depth buffer", () => {
   const engine = new NullEngine({ useHighPrecisionMatrix: true });
   const scene = new Scene(engine);
   for (const [reversed, half, maxZ] of [
@@ -175,7 +174,7 @@ test("depth is as Babylon.js would have it, infinitely far planes and reversed b
   engine.dispose();
 });
 
-test("A-Frame's component hands its camera over, and again when the scene is resized", () => {
+test("A-Frame's component updates its camera on resize", () => {
   let definition;
   registerCalibrated({ registerComponent: (name, each) => (definition = { name, ...each }) });
   assert.deepEqual([definition.name, definition.dependencies], ["calibrated", ["camera"]]);

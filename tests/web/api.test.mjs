@@ -31,7 +31,7 @@ function service(answers) {
   return { api, calls, waits };
 }
 
-test("a lost network and a busy service are waited for, and asked the same again", async () => {
+test("a lost network and a busy service are retried", async () => {
   const { api, calls, waits } = service([
     new OfflineError(),
     json(503, {}),
@@ -93,15 +93,15 @@ test("whoever gets through ends the waiting, also of a call that gave up", async
   assert.deepEqual(retries, [1, 2, 0]);
 });
 
-test("who accepts and says nothing is given up after one wait, by those who can go on without", async () => {
+test("a brief call gives up a silent server after one wait", async () => {
   const { api, calls } = service(() => new OfflineError(true));
   await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
   assert.equal(calls.length, 1);
   await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
-  assert.equal(calls.length, 1 + 8, "who cannot, asks again");
+  assert.equal(calls.length, 1 + 8);
 });
 
-test("a server that never answers, or stops in the middle, is one that cannot be reached", async () => {
+test("a silent server is offline", async () => {
   const server = createServer((request, response) => {
     if (request.url === "/half") response.writeHead(200, { "content-length": 10 }).write("half");
   });
@@ -120,7 +120,7 @@ test("a programming error is not a lost network", async () => {
   await assert.rejects(api.json("GET", "/session", "sid"), RangeError);
 });
 
-test("what is asked for the first time is said to be, by kind and not by view", async () => {
+test("first requests are reported by kind", async () => {
   const answered = new Set();
   const { api } = service(({ call }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
@@ -168,7 +168,7 @@ test("an expired session is begun anew with the views it had", async () => {
   assert.equal(calls.filter(({ call }) => call === "POST /v1/auth").length, 2);
 });
 
-test("a capture is taken up again with the views it had, also one whose answer was lost", async () => {
+test("a capture resumes with its views, also one whose answer was lost", async () => {
   const taken = new Map();
   let broken = false;
   const { api } = service(({ call, body }) => {
@@ -189,7 +189,7 @@ test("a capture is taken up again with the views it had, also one whose answer w
   assert.deepEqual([...taken.keys()], [0], "the view whose answer was lost is the last one");
 });
 
-test("views taken while the service is away are sent in order once it is back, by this page or the next", async () => {
+test("views taken during an outage are sent in order later", async () => {
   const taken = [];
   let away = false;
   let saved = null;
@@ -224,7 +224,7 @@ test("views taken while the service is away are sent in order once it is back, b
   assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
 });
 
-test("a capture begun without the service is sent once it is there, and may be sent again as another's", async () => {
+test("a capture begun offline is sent later", async () => {
   const taken = [];
   const { api, calls } = service(({ call, body }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
@@ -266,7 +266,7 @@ test("a view not yet sent is taken back without the service", async () => {
   assert.deepEqual([calls.length, capture.waiting], [0, 0]);
 });
 
-test("a module that did not arrive is a lost network, other mistakes of a page are not", () => {
+test("a module that did not arrive is a lost network", () => {
   for (const message of [
     "Failed to fetch dynamically imported module: http://localhost/lib/camera.js", // Chromium
     "error loading dynamically imported module: http://localhost/lib/camera.js", // Firefox

@@ -57,18 +57,13 @@ for (const room of [true, false]) {
     ]);
     await captures.forget(captureKey(fisheye));
     await captures.open(fisheye, run);
-    assert.deepEqual(sent, [[1, 2, 3], [1, 3], []], "what was taken up is not taken up twice");
+    assert.deepEqual(sent, [[1, 2, 3], [1, 3], []]);
   });
 }
 
-// Return of the service to a capture: attempts to reconnect, and the views that were stored meanwhile.
-
 const FIRST_PAUSE_MS = 1_000;
 
-/**
- * A queue without the service; each attempt to reconnect stores as many views as are said for it, and may renew the
- * session.
- */
+/** An offline queue; each attempt to reconnect finds so many stored views, and may renew the session. */
 function away(t, storedMeanwhile, renewals = 0) {
   const browser = new EventTarget(); // what a page hears of its network
   setGlobals(t, { addEventListener: browser.addEventListener.bind(browser) });
@@ -97,13 +92,12 @@ function away(t, storedMeanwhile, renewals = 0) {
   return { attempts, events, browser };
 }
 
-/** Lets all that waits for nothing but promises run. */
-const settle = () => new Promise((resolve) => setImmediate(resolve));
+const settle = () => new Promise(setImmediate);
 
 test("views that are stored while earlier ones are sent follow at once", async (t) => {
   const { attempts, events } = away(t, [2, 1, 0]);
   await settle();
-  assert.deepEqual(attempts, [], "the service was away a moment ago");
+  assert.deepEqual(attempts, []);
   t.mock.timers.tick(FIRST_PAUSE_MS);
   await settle();
   assert.deepEqual(attempts, [2, 1, 0]);
@@ -124,7 +118,7 @@ test("a network that is back is used at once", async (t) => {
   );
 });
 
-test("a session that took the place of an expired one during an outage is reported", async (t) => {
+test("a session renewed during an outage is reported", async (t) => {
   const { events, browser } = away(t, [0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
@@ -136,7 +130,6 @@ test("a session that took the place of an expired one during an outage is report
 
 let fresh = 0;
 
-/** Bodies of POST /session that both kinds of capture send, with the consent that is kept now. */
 async function started() {
   // The choice is read once a page: another page is another module.
   const page = `?${fresh++}`;
@@ -173,7 +166,7 @@ test("consent to an earlier text is none to this one", async (t) => {
   assert.deepEqual(consentFields(), { licence: "CC0-1.0", licence_version: LICENCE_VERSION });
 });
 
-test("a session that was started without a licence is given it under its own id, by another connection", async (t) => {
+test("a running session is given its licence later", async (t) => {
   const kept = keepHere(t);
   const { sent, api } = await started();
   kept.delete("calibdb.consent");
@@ -192,7 +185,7 @@ test("a session that was started without a licence is given it under its own id,
 const location = new URL("https://calibdb.example/calibrate/");
 const VIRTUAL = "calibDB virtual camera 42e1b240";
 
-test("an application under development gets a practice result, any other only if it asked for one", (t) => {
+test("only local applications get practice results unasked", (t) => {
   setGlobals(t, { location });
   assert.equal(isPracticeReturned("http://localhost:9000/app", "HD Pro Webcam C920"), true);
   assert.equal(isPracticeReturned("http://127.0.0.1:9000/", null), true);

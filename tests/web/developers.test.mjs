@@ -4,7 +4,6 @@ import { test } from "node:test";
 import { KeptTokens, STORAGE_KEY, TokenFileError, fileOf, tokensInFile } from "../../web/developers/kept-tokens.js";
 import { isLoopback, originsIn } from "../../web/developers/origins.js";
 import { PLANS } from "../../web/developers/plans.js";
-import { snippet } from "../../web/developers/snippets.js";
 
 const API = "https://calibdb.example/v1";
 const [SECRET, OTHER_SECRET] = ["a".repeat(48), "b".repeat(48)];
@@ -17,7 +16,6 @@ const token = (id, more = {}) => ({
   api: API,
   ...more,
 });
-/** A storage, be it full. */
 const storage = (full = false) => {
   const content = new Map();
   return {
@@ -94,7 +92,7 @@ test("tokens are kept at once, the newest first, and over the one with their id"
   );
 });
 
-test("a browser that keeps nothing is told from one that does, and the page goes on", () => {
+test("a browser without storage keeps tokens for the page", () => {
   for (const place of [null, storage(true)]) {
     const kept = new KeptTokens(place);
     assert.equal(kept.keep(token("one")), false);
@@ -140,15 +138,6 @@ test("a file brings back what was saved, and nothing of other services", () => {
       text,
     );
   }
-});
-
-test("snippets hold the service's address and the token", () => {
-  const values = { origin: "https://calibdb.example", token: token("one").token };
-  const page = snippet("page", values);
-  assert.match(page, /import \{ calibrate, lookup, returned \} from "https:\/\/calibdb\.example\/sdk\/calibdb\.js"/);
-  assert.match(page, /calibrate\(\{ token, source: track, returnTo: location\.href \}\)/);
-  assert.ok(page.includes(`"${values.token}"`));
-  assert.match(snippet("curl", values), /^curl -s https:\/\/calibdb\.example\/v1\/lookup /);
 });
 
 test("the plans are those that the service has", () => {

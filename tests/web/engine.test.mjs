@@ -1,10 +1,10 @@
-// Capture engine over cameras, a detector and a page that are made up.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Engine } from "../../web/lib/capture/engine.js";
 import { DetectorError, PageDetector } from "../../web/lib/detector.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
+import { METRICS } from "./scenes.mjs";
 import { setGlobals } from "./globals.mjs";
 
 const SIZE = [1280, 720];
@@ -14,7 +14,7 @@ const detection = ({ shift = 0, sharpness = 0.15, size = SIZE } = {}) => ({
   points: IDS.map((id) => [200 + 60 * (id % 8) + shift, 150 + 60 * Math.floor(id / 8)]),
   markers: 24,
   size,
-  metrics: { share: 1, median: 110, high: 220, overexposed: 0, sharpness, square: 60, moire: 0 },
+  metrics: { ...METRICS, share: 1, sharpness, square: 60, moire: 0 },
 });
 
 /** A stream of one camera or of two that share it. */
@@ -45,7 +45,6 @@ const detectorOf = (...answers) => ({
   },
 });
 
-/** A page that stops after so many rounds; `log` has the calls of the engine. */
 function pageOf(t, rounds, more = {}) {
   setGlobals(t, { document: { hidden: false } });
   const log = [];
@@ -74,7 +73,6 @@ function pageOf(t, rounds, more = {}) {
   return page;
 }
 
-/** An engine that is given these detectors, one after the other. */
 const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
@@ -97,7 +95,7 @@ test("each camera is looked at in each round, and no image is left open", async 
   assert.ok(pair.open <= 0 && single.open <= 0);
 });
 
-test("a detector that stops is replaced three times; the fourth failure ends the capture", async (t) => {
+test("the fourth failure of a detector ends the capture", async (t) => {
   const made = Array.from({ length: 4 }, () => detectorOf(new DetectorError("gone")));
   const page = pageOf(t, 1);
   await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], ...made).run(), DetectorError);
@@ -114,7 +112,7 @@ test("a turned device is reported before its images are looked at", async (t) =>
   assert.deepEqual(page.log, ["resized"]);
 });
 
-test("a view is searched thoroughly; a jerk, blur and another size are refused", async (t) => {
+test("a view with a jerk, blur or another size is refused", async (t) => {
   const taken = async (view, lenience) => {
     const camera = { stream: streamOf(), half: 0 };
     const detector = detectorOf(detection(), detection(), view);
@@ -132,12 +130,12 @@ test("a view is searched thoroughly; a jerk, blur and another size are refused",
   };
   assert.deepEqual((await taken(detection({ shift: 2.9 }))).found.corners.ids, IDS);
   assert.equal((await taken(detection({ shift: 3.1 }))).found, null);
-  assert.ok((await taken(detection({ shift: 3.1 }), 2)).found, "a hand that is given time may move more");
+  assert.ok((await taken(detection({ shift: 3.1 }), 2)).found);
   assert.equal((await taken(detection({ sharpness: 0.1 }))).found, null);
   assert.deepEqual((await taken(detection({ size: [720, 1280] }))).log.slice(-1), ["resized"]);
 });
 
-test("the focus of a camera is locked once, when the board has been held before it", async (t) => {
+test("focus is locked once, after a hold", async (t) => {
   const stream = streamOf();
   let focused = 0;
   const start = performance.now();
@@ -150,7 +148,7 @@ test("the focus of a camera is locked once, when the board has been held before 
   assert.deepEqual([stream.locked, focused], [1, 1]);
 });
 
-test("other boards are looked for while the page wants it and no corner is seen", async (t) => {
+test("other boards are searched while no corner is seen", async (t) => {
   const searched = async (found, isSearched) => {
     const detector = detectorOf(found);
     let looks = 0;
@@ -173,12 +171,12 @@ test("other boards are looked for while the page wants it and no corner is seen"
   };
   const blind = { ...detection(), ids: [], points: [], markers: 0 };
   const suggestions = await searched(blind, true);
-  assert.ok(suggestions.length > 0 && suggestions.every((each) => each === null), "there is no board");
+  assert.ok(suggestions.length > 0 && suggestions.every((each) => each === null));
   assert.deepEqual(await searched(blind, false), []);
   assert.deepEqual(await searched(detection(), true), []);
 });
 
-test("the detector of a page is made once, and again after it has failed or was closed", async () => {
+test("the detector is opened once, and again after a failure", async () => {
   const made = [];
   const detector = new PageDetector(async () => {
     const one = { closed: false, close: () => (one.closed = true) };

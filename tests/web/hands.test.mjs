@@ -9,15 +9,13 @@ import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/lib/capture/stillness.js";
 import { lenienceAfter } from "../../web/lib/capture/target.js";
 import { Hand } from "../../web/lib/virtual/hand.js";
-import { projectionOf } from "../../web/lib/virtual/lens.js";
+import { see } from "./scenes.mjs";
 import { matchPose } from "../../web/lib/virtual/match.js";
-import { seededRandom, transformPoint } from "../../web/lib/pose.js";
+import { seededRandom } from "../../web/lib/pose.js";
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
 const [WIDTH, HEIGHT] = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
-const PROJECTION = projectionOf(LENS);
-const PLACES = corners(DEFAULT_BOARD);
 const KEY = { camera: "Test", platform: "X11", img_size: [WIDTH, HEIGHT], zoom: 0 };
 const FRAME = 1000 / 15; // ms
 const LIMIT = 180_000; // ms
@@ -28,8 +26,7 @@ function seen(pose, blur, random) {
   const ids = [];
   const points = [];
   if (blur === 0) {
-    PLACES.forEach(([x, y], id) => {
-      const [u, v] = PROJECTION.project(transformPoint(pose, [x, y, 0]));
+    see(LENS, pose, corners(DEFAULT_BOARD)).forEach(([u, v], id) => {
       if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
       ids.push(id);
       points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);

@@ -3,19 +3,16 @@ import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
 import { foreshortening, observedOutline } from "../../web/lib/board-outline.js";
 import { apply, homography } from "../../web/lib/homography.js";
-import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transformPoint } from "../../web/lib/pose.js";
+import { see } from "./scenes.mjs";
 
 const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
+const BARREL = { ...PINHOLE, k1: -0.25 };
 const POSE = { rvec: [0.5, -0.6, 0.2], tvec: [-4, -3, 11] };
-const see = (pose, points, lens = PINHOLE) =>
-  points.map(([x, y]) => projectionOf(lens).project(transformPoint(pose, [x, y, 0])));
-
 test("a plane seen by a pinhole is a homography, to 1e-8 px", () => {
   const board = corners(DEFAULT_BOARD);
-  const h = homography(board, see(POSE, board));
+  const h = homography(board, see(PINHOLE, POSE, board));
   const corner = apply(h, [0, 0]);
-  const [truth] = see(POSE, [[0, 0]]);
+  const [truth] = see(PINHOLE, POSE, [[0, 0]]);
   assert.ok(Math.hypot(corner[0] - truth[0], corner[1] - truth[1]) < 1e-8);
 });
 
@@ -45,11 +42,11 @@ test("points on a line, or fewer than four, determine none", () => {
   assert.equal(homography(line, line), null);
 });
 
-test("the outline is found from a quarter of the corners, through a lens, to 2 % of the width", () => {
+test("the outline is found from a quarter of the corners to 2 % of the width", () => {
   const ids = [9, 10, 11, 17, 18, 19, 25, 26, 27, 28];
-  const all = see(POSE, corners(DEFAULT_BOARD), { ...PINHOLE, k1: -0.25 });
+  const all = see(BARREL, POSE, corners(DEFAULT_BOARD));
   const seen = observedOutline(DEFAULT_BOARD, { ids, points: ids.map((id) => all[id]) });
-  const truth = see(POSE, outline(DEFAULT_BOARD), { ...PINHOLE, k1: -0.25 });
+  const truth = see(BARREL, POSE, outline(DEFAULT_BOARD));
   seen.forEach(([x, y], index) => {
     const error = Math.hypot(x - truth[index][0], y - truth[index][1]);
     assert.ok(error < 0.02 * 1280, `vertex ${index} is ${error.toFixed(1)} px off`);
@@ -68,6 +65,6 @@ test("the outline is found from a quarter of the corners, through a lens, to 2 %
 
 test("foreshortening tells a facing board from a tilted one", () => {
   const edge = outline(DEFAULT_BOARD);
-  assert.ok(foreshortening(see({ rvec: [0, 0, 0.3], tvec: [-4, -3, 12] }, edge)) < 1e-9);
-  assert.ok(foreshortening(see({ rvec: [0, 0.5, 0], tvec: [-4, -3, 12] }, edge)) > 0.2);
+  assert.ok(foreshortening(see(PINHOLE, { rvec: [0, 0, 0.3], tvec: [-4, -3, 12] }, edge)) < 1e-9);
+  assert.ok(foreshortening(see(PINHOLE, { rvec: [0, 0.5, 0], tvec: [-4, -3, 12] }, edge)) > 0.2);
 });

@@ -76,7 +76,7 @@ test("pages have no copies of the catalogs' texts", () => {
   }
 });
 
-test("the language is the one asked for, else the one kept, else the browser's first that there is", () => {
+test("the language is the requested, stored or preferred one", () => {
   assert.equal(choose("de", "uk", ["en"]), "de");
   assert.equal(choose("fr", "uk", ["en"]), "uk");
   assert.equal(choose(null, null, ["fr-FR", "de-AT", "en"]), "de");
@@ -114,10 +114,7 @@ test("numbers have the signs and digits of people", () => {
 
 const SCRIPT = readFileSync(new URL("../../web/language.js", import.meta.url), "utf8");
 
-/**
- * Runs the script of a page's head at an address.
- * @returns {string | null} the address that it leads to; null where the page stays
- */
+/** Address to which the script of a page's head leads; null if the page stays. */
 function visit(address, { kept = null, preferred = ["en-US"], storage = true } = {}) {
   const url = new URL(address, "https://site.example/");
   let led = null;
@@ -151,7 +148,7 @@ function visit(address, { kept = null, preferred = ["en-US"], storage = true } =
   return led;
 }
 
-test("who reads German or Ukrainian is led there from an English address, with query and fragment", () => {
+test("German and Ukrainian visitors are led to their pages", () => {
   assert.equal(visit("/", { preferred: ["de-AT", "en"] }), "/de/");
   assert.equal(visit("/result/?id=a%20b&x=1#y", { preferred: ["fr", "uk"] }), "/uk/result/?id=a+b&x=1#y");
   assert.equal(visit("/board/"), null);
@@ -159,7 +156,7 @@ test("who reads German or Ukrainian is led there from an English address, with q
   assert.equal(visit("/board/", { preferred: ["en", "de"] }), null);
 });
 
-test("a choice made before is kept, and an address with a language decides", () => {
+test("an address with a language overrides the stored choice", () => {
   assert.equal(visit("/board/", { kept: "de" }), "/de/board/");
   assert.equal(visit("/board/", { kept: "en", preferred: ["de"] }), null);
   assert.equal(visit("/de/board/", { kept: "uk", preferred: ["en"] }), null);

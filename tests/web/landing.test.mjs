@@ -5,7 +5,7 @@ import { BITS } from "../../web/landing/capture-loop.js";
 import { DEFAULT_BOARD, markers } from "../../web/lib/board.js";
 import { markerBits } from "../../web/lib/board-drawing.js";
 
-test("cameras of the database are counted once, those that a lookup answers at any size apart", () => {
+test("cameras and those ready at any size are counted", () => {
   const size = (reliable, calibrations) => ({ reliable, calibrations });
   const cameras = [
     { sizes: [size(true, 6), size(false, 2)] },

@@ -45,11 +45,10 @@ test("the page is A4 and the board on it true to scale", () => {
       assert.ok(Math.abs(is - should) < 2e-3, `rectangle ${index}: ${is}, not ${should} points`);
     }
   });
-  // The scale bar.
   assert.ok(rectangles.slice(expected.length).some(([, , w]) => Math.abs(w - (100 * 72) / 25.4) < 1e-3));
 });
 
-test("what is written below is in the file: as letters, or as a picture where the font has none", () => {
+test("captions are letters, or pictures if the font lacks them", () => {
   const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none));
   assert.ok(text.includes("(9 × 6 Felder \\(28 mm\\)) Tj"));
   const picture = { width: 16, height: 2, size: 2, depth: 1, bits: Uint8Array.of(255, 0, 170, 41) };

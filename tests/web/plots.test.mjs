@@ -1,31 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { parseHTML } from "linkedom";
 import "./messages.mjs";
 import { setGlobals } from "./globals.mjs";
+import { isInside } from "./scenes.mjs";
 import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
 import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
 import { distortionPlot, errorPlot, profilePlot } from "../../web/lib/result/plots.js";
 
-/** As much of a document as plots are made with. */
-class FakeElement {
-  constructor(name) {
-    Object.assign(this, { name, attributes: {}, children: [] });
-  }
-  setAttribute(name, value) {
-    this.attributes[name] = value;
-  }
-  append(...children) {
-    this.children.push(...children);
-  }
-  /** Of this name, at any depth. */
-  all(name) {
-    return this.children
-      .filter((child) => child instanceof FakeElement)
-      .flatMap((child) => [...(child.name === name ? [child] : []), ...child.all(name)]);
-  }
-}
-const document = { createElementNS: (_, name) => new FakeElement(name) };
+const { document } = parseHTML("<!doctype html>");
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) => ({
@@ -40,7 +24,7 @@ const calibration = (f, distortion_model, distortion_coefficients) => ({
 });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
 
-test("the caption of a lens without distortion says 0 px, for every model that can have none", (t) => {
+test("a lens without distortion has 0 px in its caption", (t) => {
   setGlobals(t, { document });
   const lenses = [
     calibration(800, "rectilinear", [0, 0, 0, 0, 0]),
@@ -54,7 +38,7 @@ test("the caption of a lens without distortion says 0 px, for every model that c
   }
 });
 
-test("the profile of a lens is its radial polynomial, and is dashed beyond the corners measured", (t) => {
+test("the lens profile is dashed beyond the measured corners", (t) => {
   setGlobals(t, { document });
   const lens = calibration(800, "rectilinear", [-0.1, 0, 0, 0, 0]);
   const profile = lensProfile(lens, 10);
@@ -65,9 +49,10 @@ test("the profile of a lens is its radial polynomial, and is dashed beyond the c
   }
   const view = { index: 0, reason: null, points: [[639.5 + 300, 359.5]], residuals: [[0, 0]], cut: [] };
   const curves = (report) =>
-    profilePlot(lens, report)
-      .svg.all("path")
-      .map(({ attributes }) => attributes);
+    [...profilePlot(lens, report).svg.querySelectorAll("path")].map((path) => ({
+      d: path.getAttribute("d"),
+      class: path.getAttribute("class"),
+    }));
   const [, inside, beyond] = curves({ views: [view] });
   const end = (d) => Number(d.slice(d.lastIndexOf("L") + 1).split(" ")[0]);
   assert.ok(Math.abs(end(inside.d) - (438 * 300) / Math.hypot(640, 360)) < 8, inside.d);
@@ -75,9 +60,9 @@ test("the profile of a lens is its radial polynomial, and is dashed beyond the c
   assert.equal(curves(null)[2].d, "", "nothing is dashed where it is not known what was measured");
 });
 
-test("displacements of fisheye and omnidirectional lenses start at the pinhole of their focal length", () => {
+test("displacements start at the pinhole of the focal length", () => {
   // Equidistant, r = f t, and stereographic, r = 2 f tan(t / 2), which is xi = 1: from f tan t.
-  const grid = /** @type {[number, number]} */ ([17, 11]);
+  const grid = [17, 11];
   const f = 800;
   const [u, v] = [639.5 - 1280 / 34 + 0.5, 359.5 - 720 / 22 + 0.5];
   const radius = Math.hypot(u, v);
@@ -88,7 +73,7 @@ test("displacements of fisheye and omnidirectional lenses start at the pinhole o
   assert.ok(Math.abs(stereographic - expected) < 1, `${stereographic} instead of ${expected}`);
 });
 
-test("the error map's bands hold the places that have their values, and numbers stand at lines between them", (t) => {
+test("the error map's bands and numbers are at their values", (t) => {
   setGlobals(t, { document });
   const [columns, rows] = [20, 12];
   const px = Array.from({ length: rows }, (_, row) =>
@@ -96,40 +81,31 @@ test("the error map's bands hold the places that have their values, and numbers 
   );
   const lens = { ...calibration(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
   const { svg, levels } = errorPlot(lens, { error_map: { grid: [columns, rows], px }, views: [] });
-  const [area] = svg.all("svg");
-  assert.match(svg.attributes["aria-label"], /0\.26\spx.*0\.40\spx/, "the statistic of the headline, and no other");
-  const [left, top, width] = area.attributes.viewBox.split(" ").map(Number);
+  const area = svg.querySelector("svg");
+  assert.match(svg.getAttribute("aria-label"), /0\.26\spx.*0\.40\spx/);
+  const [left, top, width] = area.getAttribute("viewBox").split(" ").map(Number);
   const unit = width / SIZE[0]; // plot units a pixel
-  const numbers = area.all("text");
+  const numbers = [...area.querySelectorAll("text")];
   assert.ok(numbers.length === 1 || numbers.length === 2, "anywhere else a number would contradict the band below it");
-  for (const { attributes, children } of numbers) {
-    const place = [attributes.x, attributes.y].map((at, axis) => (at - [left, top][axis]) / unit - 0.5);
+  for (const number of numbers) {
+    const place = ["x", "y"].map((name, axis) => (number.getAttribute(name) - [left, top][axis]) / unit - 0.5);
     const value = valueAt(px, SIZE, place);
-    assert.ok(Math.abs(value - Number(children[0])) < 0.005, `${children[0]} stands at ${value}`);
-    assert.ok(levels.some((level) => Math.abs(level - Number(children[0])) < 0.005));
+    assert.ok(Math.abs(value - Number(number.textContent)) < 0.005, `${number.textContent} stands at ${value}`);
+    assert.ok(levels.some((level) => Math.abs(level - Number(number.textContent)) < 0.005));
   }
-  const bands = area
-    .all("path")
-    .filter(({ attributes }) => attributes.class.startsWith("heat-"))
-    .map(({ attributes }) =>
-      attributes.d
-        .split("Z")
-        .filter(Boolean)
-        .map((part) =>
-          part
-            .slice(1)
-            .split("L")
-            .map((pair) => pair.split(" ").map(Number)),
-        ),
-    );
+  const bands = [...area.querySelectorAll("path[class^='heat-']")].map((path) =>
+    path
+      .getAttribute("d")
+      .split("Z")
+      .filter(Boolean)
+      .map((part) =>
+        part
+          .slice(1)
+          .split("L")
+          .map((pair) => pair.split(" ").map(Number)),
+      ),
+  );
   assert.equal(bands.length, 8);
-  const inside = (polygon, [u, v]) =>
-    polygon.reduce((crossings, [x, y], index) => {
-      const [p, q] = polygon[(index + 1) % polygon.length];
-      return crossings + (y > v !== q > v && u < x + ((v - y) / (q - y)) * (p - x) ? 1 : 0);
-    }, 0) %
-      2 ===
-    1;
   for (const [u, v] of [
     [3, 3],
     [640, 360],
@@ -140,7 +116,7 @@ test("the error map's bands hold the places that have their values, and numbers 
   ]) {
     const value = valueAt(px, SIZE, [u, v]);
     const place = [left + (u + 0.5) * unit, top + (v + 0.5) * unit];
-    const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => inside(polygon, place)));
+    const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => isInside(place, polygon)));
     const slack = 0.1 * (levels[highest + 1] - levels[highest]);
     assert.ok(
       value > levels[highest] - slack && value < levels[highest + 1] + slack,
@@ -149,7 +125,7 @@ test("the error map's bands hold the places that have their values, and numbers 
   }
 });
 
-test("values between centres are linear, and go on as they are to the edge", () => {
+test("values are linear between centres, constant at the edge", () => {
   const px = [
     [1, 2],
     [3, 4],
@@ -186,7 +162,7 @@ test("values between centres are linear, and go on as they are to the edge", () 
         2,
     0,
   );
-  assert.ok(Math.abs(area - 200 * 100) < 1e-6, "the lowest band is the whole picture");
+  assert.ok(Math.abs(area - 200 * 100) < 1e-6);
 });
 
 test("a finer map goes smoothly through the values that there are", () => {
@@ -210,7 +186,7 @@ test("a finer map goes smoothly through the values that there are", () => {
   );
 });
 
-test("the grid that is straightened shows the lens: straight lines of a pinhole, else bent ones", () => {
+test("the grid has straight lines for a pinhole only", () => {
   const bend = (lens) =>
     Math.max(
       ...gridLines(lens).map(({ seen: line }) => {

@@ -2,10 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, OfflineError } from "../../web/lib/api.js";
 import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
-import { composePoses, invertPose, transformPoint } from "../../web/lib/pose.js";
+import { composePoses, invertPose } from "../../web/lib/pose.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
 import { MOVING } from "../../web/lib/capture/stillness.js";
-import { intrinsicsOf, projectionOf } from "../../web/lib/virtual/lens.js";
+import { intrinsicsOf } from "../../web/lib/virtual/lens.js";
 import { RigLink } from "../../web/rig/link.js";
 import { JoinError, enter } from "../../web/rig/membership.js";
 import { answer, isReady, remoteHold, requiredHold } from "../../web/rig/moments.js";
@@ -14,6 +14,7 @@ import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
 import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
+import { cornersSeen, see } from "./scenes.mjs";
 import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
@@ -31,34 +32,22 @@ function sightOf(since, until) {
   return sight;
 }
 
-test("a camera takes a view only if the board was still since before the moment can have been opened", () => {
+test("a view needs a board that was still before its moment was opened", () => {
   const sight = sightOf(1_000, 3_000);
   assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 2_800 }, 3_000), "take");
-  assert.equal(
-    answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000),
-    "miss",
-    "it moved after the moment may have been opened",
-  );
+  assert.equal(answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000), "miss");
   assert.equal(
     answer(sight, { unopenedAt: -Infinity, seenAt: 2_800 }, 3_000),
     "miss",
     "nobody here looked before it was open",
   );
-  assert.equal(
-    answer(sight, { unopenedAt: 1_500, seenAt: 3_010 }, 3_020),
-    "wait",
-    "no frame since it was seen to be open",
-  );
+  assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 3_010 }, 3_020), "wait");
   const moved = observeFrame(sight, detection(40), 3_200, DEFAULT_BOARD);
-  assert.equal(
-    answer(moved, { unopenedAt: 1_500, seenAt: 3_100 }, 3_200),
-    "miss",
-    "it moved before the view was taken",
-  );
+  assert.equal(answer(moved, { unopenedAt: 1_500, seenAt: 3_100 }, 3_200), "miss");
   assert.equal(answer(BLIND, { unopenedAt: 1_500, seenAt: 2_000 }, 2_000), "miss");
 });
 
-test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still one", () => {
+test("a hand at 5 cm/s is not still after 200 ms", () => {
   // 60 cm before a camera of 1,000 px: 83 px/s, which is 4 px from one frame to the next.
   let sight = sightOf(0, 1_000);
   for (let time = 1_050, x = 0; time < 2_000; time += 50)
@@ -67,9 +56,9 @@ test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still on
   assert.ok(!isReady([sight], 0));
 });
 
-test("other devices need a longer hold, and a still longer one after a miss; one hold is taken once", () => {
+test("other devices need a longer hold, and longer after a miss", () => {
   const still = (hold) => sightOf(0, hold);
-  assert.ok(!isReady([still(1_400)], 0) && isReady([still(1_500)], 0), "nowhere near a target");
+  assert.ok(!isReady([still(1_400)], 0) && isReady([still(1_500)], 0));
   assert.ok(!isReady([still(1_500)], remoteHold(0)) && isReady([still(1_900)], remoteHold(0)));
   assert.ok(remoteHold(0) < remoteHold(1) && remoteHold(99) === 5_000);
   const taken = still(3_000);
@@ -104,12 +93,12 @@ function boxOf(answers, letters = []) {
   return { box, log, saved };
 }
 
-test("what was captured is delivered in order, and waits while the service is away", async () => {
+test("captured views are delivered in order", async () => {
   const { box, log, saved } = boxOf([{}, new OfflineError(), new ApiError(503, {}), {}, {}]);
   box.post(...LETTERS);
   const sending = box.flush();
   for (let turn = 0; turn < 40; turn++) {
-    await new Promise((done) => setImmediate(done));
+    await new Promise(setImmediate);
     box.retry();
   }
   await sending;
@@ -117,13 +106,13 @@ test("what was captured is delivered in order, and waits while the service is aw
   assert.deepEqual([saved[0], saved.at(-1), box.views], [3, 0, 0], "kept before it is sent, forgotten after it was");
 });
 
-test("letters of an earlier page are delivered; what the service refuses does not hold up the rest", async () => {
+test("a refused letter does not hold up the rest", async () => {
   const { box, log } = boxOf([{}, new ApiError(409, { type: "x#moment-undone" })], LETTERS);
   await box.flush();
   assert.deepEqual(log, ["open a", "view 0", "refused 409", "view 1"]);
 });
 
-test("a moment that nobody has heard of is withdrawn; one whose opening is on its way is undone at the service", () => {
+test("a moment is withdrawn until its opening is on its way", () => {
   const { box } = boxOf([]);
   box.post(...LETTERS);
   assert.equal(box.withdraw("a"), false);
@@ -151,7 +140,7 @@ test("the link tells since when what is new was not there", async () => {
   });
   const running = link.run();
   for (let turn = 0; turn < 20; turn++) {
-    await new Promise((done) => setImmediate(done));
+    await new Promise(setImmediate);
     link.hurry();
   }
   await running;
@@ -176,7 +165,7 @@ const recordOf = (leads, count) => ({
   })),
 });
 
-test("a device's cameras enter a rig, and a page that was lost completes it with the same sessions", async () => {
+test("a reloaded page joins a rig with the same sessions", async () => {
   const calls = [];
   let isLost = true;
   const service = {
@@ -225,12 +214,12 @@ test("a refused code is told apart from another board", async () => {
   }
 });
 
-test("the simulated board is the same one in every browser, and covers the target in the first camera", () => {
+test("the simulated board covers the target in the first camera", () => {
   const parameters = new URLSearchParams("error=0");
   const { lens, size } = setupAt(parameters, 0);
   const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
   const places = boardCorners(DEFAULT_BOARD);
-  const corners = places.map((place) => projectionOf(lens).project(transformPoint(pose, [...place, 0])));
+  const corners = see(lens, pose, places);
   const target = {
     position: 0,
     ...pose,
@@ -240,10 +229,7 @@ test("the simulated board is the same one in every browser, and covers the targe
     outline: [],
   };
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
-  const off = places.map((place, id) => {
-    const [u, v] = projectionOf(lens).project(transformPoint(found, [...place, 0]));
-    return Math.hypot(u - corners[id][0], v - corners[id][1]);
-  });
+  const off = see(lens, found, places).map(([u, v], id) => Math.hypot(u - corners[id][0], v - corners[id][1]));
   assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
   const clumsy = new URLSearchParams("error=1");
   assert.deepEqual(boardPose([target], DEFAULT_BOARD, clumsy), boardPose([target], DEFAULT_BOARD, clumsy));
@@ -261,21 +247,13 @@ test("a board seen by any camera of the rig is found where it is", () => {
   const lenses = [0, 1].map((position) => setupAt(new URLSearchParams(), position));
   const calibrations = lenses.map(({ lens, size }) => ({ ...intrinsicsOf(lens), img_size: size }));
   const there = composePoses(cameraPose(1), board);
-  const points = boardCorners(DEFAULT_BOARD).map((place) =>
-    projectionOf(lenses[1].lens).project(transformPoint(there, [...place, 0])),
-  );
-  const found = boardInRig(
-    { calibrations, extrinsics },
-    1,
-    { ids: points.map((_, id) => id), points },
-    DEFAULT_BOARD,
-    1,
-  );
+  const seen = cornersSeen(DEFAULT_BOARD, lenses[1].lens, there);
+  const found = boardInRig({ calibrations, extrinsics }, 1, seen, DEFAULT_BOARD, 1);
   for (const name of ["rvec", "tvec"])
     found[name].forEach((value, axis) => assert.ok(Math.abs(value - board[name][axis]) < 1e-3));
   const { distance, distanceStd, angle } = relationOf(extrinsics[1]);
   assert.ok(Math.abs(distance - Math.hypot(...cameraPose(1).tvec)) < 1e-12 && distanceStd > 0.01 && distanceStd < 0.03);
-  assert.ok(angle > 9 && angle < 11, "degrees");
+  assert.ok(angle > 9 && angle < 11);
   const scene = sceneOf(calibrations, extrinsics, [found], DEFAULT_BOARD, 1);
   assert.deepEqual(
     scene.bodies.map(({ kind }) => kind),
@@ -285,7 +263,7 @@ test("a board seen by any camera of the rig is found where it is", () => {
   assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
 });
 
-test("a stereo camera's picture is cut in halves, whose cameras have names of their own", () => {
+test("the halves of a stereo picture are named cameras", () => {
   assert.deepEqual(placeOf("right", [2560, 720]), { size: [1280, 720], offset: [1280, 0] });
   assert.deepEqual(placeOf("bottom", [641, 961]), { size: [641, 480], offset: [0, 481] });
   assert.deepEqual(placeOf(null, [640, 480]), { size: [640, 480], offset: [0, 0] });
@@ -293,7 +271,7 @@ test("a stereo camera's picture is cut in halves, whose cameras have names of th
   assert.equal(labelOfHalf("ZED 2", null), "ZED 2");
 });
 
-test("a rig ends without a click when it is accurate or nothing more comes, and no camera keeps silent", () => {
+test("a rig ends when it is accurate or nothing more comes", () => {
   const cameras = [0, 1].map((position) => ({ position, status: "capturing", views: 4 }));
   const moment = (id, ...positions) => ({ id, positions });
   const state = {
@@ -313,27 +291,24 @@ test("a rig ends without a click when it is accurate or nothing more comes, and 
   );
   const inaccurate = { ...state, uncertainty: { rms: 0.31 } };
   assert.ok(!isComplete(inaccurate, 30_000, []));
-  assert.ok(isComplete(inaccurate, 30_001, []), "without another moment for 30 s it ends as it is");
-  assert.ok(
-    isComplete({ ...inaccurate, moments: Array(20).fill(moment("a", 0, 1)) }, 0, []),
-    "so it does with 20 moments",
-  );
-  assert.ok(!isComplete({ ...state, unlinked: [1] }, 60_000, []), "without a result there is nothing to end with");
+  assert.ok(isComplete(inaccurate, 30_001, []));
+  assert.ok(isComplete({ ...inaccurate, moments: Array(20).fill(moment("a", 0, 1)) }, 0, []));
+  assert.ok(!isComplete({ ...state, unlinked: [1] }, 60_000, []));
   assert.ok(!isFinishable({ ...state, unlinked: [1] }));
   assert.ok(!isFinishable({ ...state, cameras: [cameras[0], { ...cameras[1], views: 3 }] }));
   assert.ok(isAlone({ ...state, cameras: [cameras[0], { ...cameras[1], status: "waiting" }] }));
   const course = [9, 8, 7, 6, 5, 4, 2.1, 2, 2, 1.9].map((rms) => ({ rms, atTarget: true }));
-  assert.ok(isComplete(inaccurate, 0, course), "so it does when the error has stopped falling");
+  assert.ok(isComplete(inaccurate, 0, course));
 });
 
-test("the error of a rig is on a plateau after ten moments, three without progress, near the best", () => {
+test("a rig's error has a plateau after ten moments", () => {
   const of = (errors, missed = -1) => errors.map((rms, n) => ({ rms, atTarget: n !== missed }));
   const still = [null, null, null, 6, 5, 4, 2, 2, 2, 1.8];
   assert.ok(hasPlateau(of(still)));
-  assert.ok(!hasPlateau(of(still.slice(1))), "nine moments");
-  assert.ok(!hasPlateau(of([...still.slice(0, 9), 1.6])), "it still falls by a fifth in three moments");
-  assert.ok(!hasPlateau(of([...still.slice(0, 9), 2.7])), "the last error is far above the best");
-  assert.ok(!hasPlateau(of(still, 8)), "one of the last three was not at its target");
-  assert.ok(hasPlateau(of(still, 5)), "earlier ones do not count");
-  assert.ok(!hasPlateau(of([...still.slice(0, 9), null])), "there is no fit");
+  assert.ok(!hasPlateau(of(still.slice(1))));
+  assert.ok(!hasPlateau(of([...still.slice(0, 9), 1.6])));
+  assert.ok(!hasPlateau(of([...still.slice(0, 9), 2.7])));
+  assert.ok(!hasPlateau(of(still, 8)));
+  assert.ok(hasPlateau(of(still, 5)));
+  assert.ok(!hasPlateau(of([...still.slice(0, 9), null])));
 });

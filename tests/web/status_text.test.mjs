@@ -14,7 +14,6 @@ const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
 const C920 = { id: "b", label: "C920", named: true };
 const wanted = { camera: "C920", img_size: [1280, 720], distortion_model: "rectilinear" };
 const fresh = initial(DEFAULT_BOARD, wanted);
-/** A state with changes of its parts. */
 const having = (changes, state = fresh) => ({
   ...state,
   ...Object.fromEntries(Object.entries(changes).map(([part, change]) => [part, { ...state[part], ...change }])),
@@ -22,17 +21,17 @@ const having = (changes, state = fresh) => ({
 const state = having({ ui: { cameras: [BUILT_IN, VIRTUAL] } });
 const key = { camera: "C920", platform: "X11", img_size: [1280, 720], zoom: 0 };
 
-test("the camera asked for is proposed, and the virtual one never in its place", () => {
+test("the requested camera is proposed, never the virtual one", () => {
   assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", ""), "b");
-  assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", "a"), "a", "a choice stands");
+  assert.equal(propose([BUILT_IN, C920, VIRTUAL], "C920", "a"), "a");
   assert.equal(propose([BUILT_IN, VIRTUAL], "C920", ""), "a");
   assert.equal(propose([VIRTUAL], "C920", ""), "");
   assert.equal(propose([VIRTUAL], VIRTUAL.label, ""), "virtual");
-  assert.equal(propose([VIRTUAL], null, ""), "", "nor in that of any");
+  assert.equal(propose([VIRTUAL], null, ""), "");
   assert.equal(propose([VIRTUAL], null, "virtual"), "virtual");
 });
 
-test("a camera that is not there is said not to be, as soon as names are known", () => {
+test("a missing camera is reported once names are known", () => {
   assert.equal(
     statusText.wanted(state),
     "This page was opened for C920 at 1280\u00a0×\u00a0720. That camera is not connected here.",
@@ -49,7 +48,7 @@ test("a camera that is not there is said not to be, as soon as names are known",
   assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
 });
 
-test("another camera, or another size, than was asked for is said to be opened", () => {
+test("another camera or size than requested is reported", () => {
   assert.equal(statusText.cameraMismatch(having({ capture: { key } })), "");
   assert.match(
     statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })),
@@ -72,17 +71,13 @@ test("all that is sent is shown, as it is sent", () => {
   };
   assert.deepEqual(JSON.parse(requestText(request)), request);
   const facts = Object.fromEntries(requestFacts(request));
-  assert.equal(
-    Object.keys(facts).length,
-    Object.keys(request).length - 1 + Object.keys(request.track).length,
-    "nothing is left out of the table",
-  );
+  assert.equal(Object.keys(facts).length, Object.keys(request).length - 1 + Object.keys(request.track).length);
   assert.equal(facts["Lens model"], "Fisheye");
   assert.equal(facts.Resolution, "1280\u00a0×\u00a0720");
   assert.match(facts.Board, /^9 × 6 squares, DICT_4X4_50/);
 });
 
-test("what has happened is said once, what is to be done whenever it changes", async () => {
+test("news are announced once, instructions on change", async () => {
   const place = { textContent: "" };
   const announcer = new Announcer(place, 5);
   announcer.say("Closer", "View 1 taken.");
@@ -143,7 +138,7 @@ test("the cause of what is systematic is told while the capture runs", () => {
     capture: { session: { advice: [{ code: "board_bent", text: "" }], views: Array(3).fill({}) } },
     ui: { saved: true },
   });
-  assert.equal(statusText.statusLine(early), "", "three views do not tell");
+  assert.equal(statusText.statusLine(early), "");
   assert.match(told({ code: "focus_changed", text: "" }), /Switch autofocus off/);
   assert.match(told({ code: "model_too_simple", text: "" }), /“Fisheye” would fit better/);
 });
@@ -167,11 +162,7 @@ test("the views taken are counted, and four are said to be the least", () => {
       .join(" · ");
   assert.equal(counted(0, null), "0 of about 5 views · at least 4");
   assert.equal(counted(1, 19), "1 of about 5 views · at least 4");
-  assert.equal(
-    counted(2, 0.2),
-    "2 of about 4 views · accurate enough; 2 more to confirm",
-    "passing the goal early is not passed over",
-  );
+  assert.equal(counted(2, 0.2), "2 of about 4 views · accurate enough; 2 more to confirm");
   assert.equal(counted(3, 0.17), "3 of about 4 views · accurate enough; 1 more to confirm");
   assert.equal(counted(4, 0.5), "4 of about 5 views");
   assert.equal(counted(6, 0.5), "6 of about 7 views");

@@ -1,30 +1,22 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { refine, refineCorner, squareSizes } from "../../web/lib/subpixel.js";
-import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
-import { Painter } from "../../web/lib/virtual/painter.js";
-import { projectionOf } from "../../web/lib/virtual/lens.js";
-import { transformPoint } from "../../web/lib/pose.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { markerBits } from "../../web/lib/board-drawing.js";
+import { cornersSeen, photograph } from "./scenes.mjs";
 import { readMarkers } from "../../web/lib/marker-reader.js";
 
 const SIZE = [640, 360];
 const LENS = { fx: 500, fy: 505, cx: 327.3, cy: 172.8, k1: -0.25, k2: 0.05, p1: 0.001, p2: -0.002, k3: 0 };
-const PROJECTION = projectionOf(LENS);
 
-/** A picture of the board, and where its corners truly are. */
-function photograph(pose) {
-  const rgba = new Uint8ClampedArray(4 * SIZE[0] * SIZE[1]);
-  new Painter(DEFAULT_BOARD, LENS, SIZE).paint(pose, rgba);
-  const data = Uint8Array.from({ length: SIZE[0] * SIZE[1] }, (_, index) => rgba[4 * index]);
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => PROJECTION.project(transformPoint(pose, [x, y, 0])));
-  return { image: { width: SIZE[0], height: SIZE[1], data }, points, ids: points.map((_, index) => index) };
+function scene(pose) {
+  return { image: photograph(DEFAULT_BOARD, LENS, SIZE, pose), ...cornersSeen(DEFAULT_BOARD, LENS, pose) };
 }
 
 const POSE = { rvec: [0.3, -0.4, 0.1], tvec: [-4.2, -2.9, 9] };
 
 test("corners that start up to 0.8 px away come back to 0.1 px rms", () => {
-  const { image, points, ids } = photograph(POSE);
+  const { image, points, ids } = scene(POSE);
   const started = points.map(([x, y], index) => [x + 0.8 * Math.cos(index), y + 0.8 * Math.sin(index)]);
   const { ids: kept, points: refined } = refine(image, { ids, points: started }, 8);
   assert.equal(kept.length, 40);
@@ -35,14 +27,14 @@ test("corners that start up to 0.8 px away come back to 0.1 px rms", () => {
 });
 
 test("a corner that is not there is dropped", () => {
-  const { image, points, ids } = photograph(POSE);
+  const { image, points, ids } = scene(POSE);
   const wrong = points.map((point) => [...point]);
   wrong[11][0] += 3; // more than the 1 px that a detector may be wrong by
   assert.ok(!refine(image, { ids, points: wrong }, 8).ids.includes(11));
 });
 
 test("corners of squares below 16 px are dropped", () => {
-  const { image, points, ids } = photograph({ rvec: [0, 0, 0], tvec: [-4.5, -3, 36] });
+  const { image, points, ids } = scene({ rvec: [0, 0, 0], tvec: [-4.5, -3, 36] });
   assert.deepEqual(refine(image, { ids, points }, 8).ids, []);
 });
 
@@ -52,7 +44,7 @@ test("a flat patch and the image's edge hold no corner", () => {
   assert.equal(refineCorner(image, 2, 30, 4), null);
 });
 
-test("squares are measured between neighbours of one row, never across the board's edge", () => {
+test("squares are measured between neighbours", () => {
   // Corners 7 and 8 of a board of 8 a row follow each other by number and lie at opposite ends.
   assert.deepEqual(
     squareSizes(
@@ -96,7 +88,7 @@ function drawn(family, id, { border = 1, quarters = 0, mirrored = false } = {}) 
   };
 }
 
-test("a marker is read in every turn, mirrored, and with the border that Kalibr prints", () => {
+test("a marker is read turned, mirrored and with Kalibr's border", () => {
   for (const [family, id, border] of [
     ["DICT_4X4_1000", 7, 1],
     ["DICT_6X6_1000", 123, 1],
@@ -118,7 +110,7 @@ test("a marker is read in every turn, mirrored, and with the border that Kalibr 
   }
 });
 
-test("the first corner is the marker's own upper left, in the picture turned back where it is mirrored", () => {
+test("the first corner is the marker's own upper left", () => {
   const { image, quad } = drawn("DICT_5X5_1000", 3, { quarters: 1 });
   const [reading] = readMarkers(image, [quad]);
   const [[x, y]] = reading.markers[0].corners;

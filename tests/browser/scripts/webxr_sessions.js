@@ -1,47 +1,5 @@
 // Sessions of WebXR as tests hold them; put behind webxr.js.
 const sessions = {
-  async native() {
-    const { extend } = await import("/webxr/extension.js");
-    const { lookup } = await import("/sdk/calibdb.js");
-    const token = "cdb_dev_local";
-    const run = async (track) => {
-      let look;
-      const seen = new Promise((done) => (look = done)); // a quick service might answer before the first frame
-      const answered = new Promise((done) => {
-        extend(async (session, model) => {
-          await seen;
-          const { calibration } = await lookup(track, { token, model });
-          done();
-          return calibration;
-        });
-      });
-      const session = await navigator.xr.requestSession("inline");
-      await layered(session);
-      const space = await session.requestReferenceSpace("viewer");
-      const none = await until(session, space, () => true);
-      look();
-      await answered;
-      return { session, space, none };
-    };
-    const stranger = await run((await webcam([1280, 720])).track);
-    const strange = await until(stranger.session, stranger.space, () => true);
-    stranger.session.updateRenderState({ distortionModel: "fisheye" });
-    const still = await until(stranger.session, stranger.space, () => true);
-    void stranger.session.end(); // which a browser without a screen does not confirm
-    const { session, space, none } = await run((await webcam([1280, 720], label)).track);
-    const first = await until(session, space, (view) => view.distortionModel === "rectilinear");
-    let refused = null;
-    try {
-      session.updateRenderState({ distortionModel: "brown" });
-    } catch (error) {
-      refused = error.name;
-    }
-    session.updateRenderState({ distortionModel: "fisheye" });
-    const second = await until(session, space, (view) => view.distortionModel === "fisheye");
-    void session.end();
-    const native = /native code/.test(XRSession.toString());
-    return { native, nothing: [stranger.none, strange, still, none], first, second, refused };
-  },
   async changing() {
     const { useCamera } = await import("/webxr/camera.js");
     const { video, track, resize } = await webcam([1280, 720], label);

@@ -30,7 +30,7 @@ const run = async () => {
     }
     context.fillStyle = "#000000";
   });
-  await new Promise((onAnswer) => useCamera(video, { token: "cdb_dev_local", rectify, onAnswer }));
+  await new Promise((onAnswer) => useCamera(video, { token: "cdb_dev_local", rectify: true, onAnswer }));
   const renderer = await application(points);
   const button = document.getElementById("ARButton");
   while (button.textContent !== "START AR") await new Promise(requestAnimationFrame);
@@ -41,38 +41,4 @@ const run = async () => {
   for (let frame = 0; frame < 10; frame++) {
     await new Promise((done) => renderer.xr.getSession().requestAnimationFrame(done));
   }
-};
-
-// three.js' own manager of WebXR, on a webcam that is known from the start.
-const managed = async () => {
-  const { extend } = await import("/webxr/extension.js");
-  const { install } = await import("/webxr/install.js");
-  const { BoxGeometry, Mesh, MeshBasicMaterial, PerspectiveCamera, Scene, WebGLRenderer } =
-    await import("/vendor/engines/three.js");
-  const { video } = await webcam();
-  install({ video, pinhole: () => known.rectilinear });
-  extend(async (_, model) => known[model]);
-  const renderer = new WebGLRenderer({ alpha: true });
-  document.body.append(renderer.domElement);
-  renderer.xr.enabled = true;
-  renderer.xr.setReferenceSpaceType("local");
-  const session = await navigator.xr.requestSession("immersive-ar");
-  await renderer.xr.setSession(session);
-  const [scene, camera] = [new Scene(), new PerspectiveCamera()];
-  const box = new Mesh(new BoxGeometry(), new MeshBasicMaterial());
-  box.position.z = -4;
-  scene.add(box);
-  const seen = await new Promise((done) =>
-    renderer.setAnimationLoop((_, frame) => {
-      renderer.render(scene, camera);
-      const [view] = frame?.getViewerPose(renderer.xr.getReferenceSpace())?.views ?? [];
-      if (!view?.distortionModel) return;
-      const { projectionMatrix } = renderer.xr.getCamera().cameras[0];
-      const eyes = renderer.xr.getCamera().cameras.length;
-      done({ ...look(view), eyes, p: [...view.projectionMatrix], three: projectionMatrix.elements });
-    }),
-  );
-  renderer.setAnimationLoop(null);
-  await session.end();
-  return { ...seen, drawn: renderer.info.render.triangles, presenting: renderer.xr.isPresenting };
 };

@@ -33,13 +33,6 @@ KILL = (
 FULL = """
   IDBObjectStore.prototype.put = () => { throw new DOMException("no room", "QuotaExceededError"); };
 """
-# A camera that can hold its focus, and says where once it does.
-FOCUS = """
-  MediaStreamTrack.prototype.getCapabilities = () => ({ focusMode: ["continuous", "manual"] });
-  MediaStreamTrack.prototype.applyConstraints = async function ({ advanced: [{ focusMode }] }) {
-    if (focusMode === "manual") Object.assign(this.getSettings(), { focusMode, focusDistance: 0.4 });
-  };
-"""
 # A page that waits longer for answers.
 PATIENT = """
   {

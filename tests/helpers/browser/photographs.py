@@ -177,9 +177,11 @@ def sent_views(sent: list[Request]) -> list[dict[str, Any]]:
     return list({json.dumps(view["points"]): view for view in views}.values())
 
 
-def opencv_fx(board: Board, views: list[dict[str, Any]], size: tuple[int, int]) -> tuple[float, float]:
-    """Focal length and its standard deviation, px, that OpenCV finds with views of a board."""
+def opencv_fit(
+    board: Board, views: list[dict[str, Any]], size: tuple[int, int]
+) -> tuple[float, npt.NDArray[np.float64], float]:
+    """RMS, camera matrix and standard deviation of fx, px, that OpenCV finds with views of a board."""
     objects = [board.points[view["ids"]].astype(np.float32) for view in views]
     points = [np.array(view["points"], dtype=np.float32)[:, None] for view in views]
     extended = cv2.calibrateCameraExtended(objects, points, size, None, None)
-    return float(extended[1][0, 0]), float(extended[5][0][0])
+    return float(extended[0]), extended[1], float(extended[5][0][0])

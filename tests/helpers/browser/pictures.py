@@ -4,7 +4,10 @@ import time
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from playwright.sync_api import Page, ViewportSize
+import cv2
+import numpy as np
+import numpy.typing as npt
+from playwright.sync_api import Locator, Page, ViewportSize
 
 from ...browser.conftest import OUTPUT, ROOT
 from ...conftest import THOROUGH
@@ -50,6 +53,11 @@ def remaining(page: Page, faults: Callable[[], T]) -> T:
     while (found := faults()) and time.monotonic() < end:
         page.evaluate(SETTLED)
     return found
+
+
+def shot(place: Page | Locator, flag: int = cv2.IMREAD_COLOR) -> npt.NDArray[np.uint8]:
+    """Screenshot of a page or of an element, as OpenCV reads it."""
+    return np.asarray(cv2.imdecode(np.frombuffer(place.screenshot(), np.uint8), flag), dtype=np.uint8)
 
 
 def violations(page: Page, *rules: str) -> list[str]:

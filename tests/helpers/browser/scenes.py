@@ -33,8 +33,33 @@ BLIND_DETECTOR = """
     terminate() {}
   };
 """
-# The visitor does not answer whether the page may use the camera.
-UNANSWERED = "navigator.mediaDevices.getUserMedia = () => new Promise(() => {});"
+
+# One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
+PLUGGED = f"""{CAMERA}
+  Object.assign(window, {{ there: true, permitted: false }});
+  const give = navigator.mediaDevices.getUserMedia;
+  navigator.mediaDevices.getUserMedia = (constraints) => {{
+    window.asked = constraints.video;
+    if (window.refusal) return Promise.reject(new DOMException("", window.refusal));
+    window.permitted = true;
+    return give();
+  }};
+  navigator.mediaDevices.enumerateDevices = async () => {{
+    const [deviceId, label] = window.permitted ? ["c920", "HD Pro Webcam C920 (046d:082d)"] : ["", ""];
+    return window.there ? [{{ kind: "videoinput", deviceId, label }}] : [];
+  }};
+"""
+# A visitor may be quicker than the list of cameras, which is there after `answer()`.
+LISTED_LATE = """
+  const list = navigator.mediaDevices.enumerateDevices;
+  const listed = new Promise((resolve) => window.answer = resolve);
+  navigator.mediaDevices.enumerateDevices = () => listed.then(list);
+  window.permitted = true;
+"""
+PLUG = """(there) => {
+  window.there = there;
+  navigator.mediaDevices.dispatchEvent(new Event("devicechange"));
+}"""
 
 
 def no_network(page: Page) -> None:

@@ -79,7 +79,7 @@ _LATE_ANSWERS = """
     return found ? Response.json(answers[found]) : send(...request);
   };
 """
-_WATCH = """
+WATCH_SHIFTS = """
   window.shifts = [];
   const name = (node) =>
     node?.nodeType === 1 ? `${node.nodeName}#${node.id}.${node.className}` : node?.nodeName;
@@ -111,7 +111,7 @@ def prepare(page: Page) -> CDPSession:
     """Answer a page's requests by specimens, and watch what moves; return a session for `visit`."""
     answers = {part: answer() for part, answer in _ANSWERS.items()}
     page.add_init_script(f"const answers = {json.dumps(answers)};{_LATE_ANSWERS}{BLIND_DETECTOR}")
-    page.add_init_script(_WATCH + UNHEARD)
+    page.add_init_script(WATCH_SHIFTS + UNHEARD)
     return page.context.new_cdp_session(page)
 
 

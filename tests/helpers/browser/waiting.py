@@ -1,10 +1,11 @@
 """Waiting for conditions that `expect` cannot see: requests, storage, and short-lived texts."""
 
+import json
 import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from playwright.sync_api import Page, Request
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
@@ -88,6 +89,19 @@ def at_rest(page: Page) -> Iterator[None]:
         quiet = 0 if pending else quiet + 1
     for event, listener in listeners.items():
         page.remove_listener(event, listener)
+
+
+def uncaught(page: Page) -> list[str]:
+    """Errors that a page does not catch, as they come."""
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    return errors
+
+
+def shown_calibration(page: Page) -> dict[str, Any]:
+    """The calibration that a result shows as JSON."""
+    found: dict[str, Any] = json.loads(page.locator("#json").text_content() or "")
+    return found
 
 
 def address(page: Page) -> str:

@@ -1,0 +1,45 @@
+// Boards as a simulated camera sees them.
+import { corners } from "../../web/lib/board.js";
+import { transformPoint } from "../../web/lib/pose.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
+import { Painter } from "../../web/lib/virtual/painter.js";
+
+/** Pixels of points of the board's plane. */
+export function see(lens, pose, places) {
+  const { project } = projectionOf(lens);
+  return places.map(([x, y]) => project(transformPoint(pose, [x, y, 0])));
+}
+
+/** All corners of a board, as a detector gives them. */
+export function cornersSeen(board, lens, pose) {
+  const points = see(lens, pose, corners(board));
+  return { ids: points.map((_, id) => id), points };
+}
+
+/** Grey picture of a board; pose null: of a wall. */
+export function photograph(board, lens, [width, height], pose) {
+  const rgba = new Uint8ClampedArray(4 * width * height);
+  new Painter(board, lens, [width, height]).paint(pose, rgba);
+  return { width, height, data: Uint8Array.from({ length: width * height }, (_, pixel) => rgba[4 * pixel]) };
+}
+
+/** True if a polygon surrounds a point. */
+export function isInside([x, y], polygon) {
+  let inside = false;
+  polygon.forEach(([x1, y1], n) => {
+    const [x2, y2] = polygon[(n + 1) % polygon.length];
+    if (y1 > y !== y2 > y && x < x1 + ((y - y1) / (y2 - y1)) * (x2 - x1)) inside = !inside;
+  });
+  return inside;
+}
+
+/** Metrics of a frame in which nothing is wrong and no board is seen. */
+export const METRICS = {
+  share: 0,
+  median: 110,
+  high: 220,
+  overexposed: 0,
+  sharpness: 0.15,
+  square: 0,
+  moire: null,
+};
