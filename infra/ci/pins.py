@@ -50,7 +50,7 @@ def main() -> int:
         versions = "import sys, numpy, cv2; print(sys.version.split()[0], numpy.__version__, cv2.__version__)"
         print(f"{name}: Python, numpy, OpenCV", end=" ", flush=True)
         subprocess.run([interpreter, "-c", versions], check=True)
-        tests = [interpreter, "-m", "pytest", "-q", "--noconftest", "-m", SELECTED, *TESTS]
+        tests = [interpreter, "-m", "pytest", "-q", "--confcutdir=tests/unit", "-m", SELECTED, *TESTS]
         elsewhere = {**os.environ, "PYTHONPATH": str(ROOT)}
         if status := subprocess.run(tests, cwd=ROOT, env=elsewhere, check=False).returncode:
             return status
