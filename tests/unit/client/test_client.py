@@ -275,9 +275,27 @@ def test_ids_do_not_leave_their_place_in_the_address() -> None:
     service = known()
     with service.client() as client:
         for identifier in ("../tokens", "..", "a/b", "a?b", ""):
-            with pytest.raises(UsageError):
-                client.calibration(identifier)
+            for read in (client.calibration, client.rig):
+                with pytest.raises(UsageError):
+                    read(identifier)
+            for export in (client.export, client.rig_file):
+                with pytest.raises(UsageError):
+                    export(identifier, "kalibr")
     assert service.asked == []
+
+
+def test_file_is_described_by_its_headers() -> None:
+    headers = {
+        "content-disposition": 'attachment; filename="camchain.yaml"',
+        "x-conversion-error": "0.25",
+        "x-conversion-coverage": "0.9",
+        "x-conversion-warning": "near the axis only",
+    }
+    service = Service(lambda _: httpx.Response(200, content=b"cam0:\n", headers=headers))
+    with service.client() as client:
+        file = client.rig_file("0" * 32, "kalibr")
+    assert (file.content, file.filename) == (b"cam0:\n", "camchain.yaml")
+    assert (file.error, file.coverage, file.warning) == (0.25, 0.9, "near the axis only")
 
 
 IMPORT = """

@@ -35,6 +35,7 @@ def test_record_is_read_and_its_files_come_from_the_service() -> None:
     camchain = ExportedFile(b"cam0:\n", "camchain.yaml")
     rig = Rig(RESULT, lambda identifier, form: replace(camchain, filename=f"{identifier}.{form}"))
     assert (rig.id, rig.unit, rig.verdict, rig.rms) == (RIG, "squares", ("fair", "held_out"), 0.27)
+    assert rig.uncertainty == RESULT["uncertainty"]
     assert [each.camera for each in rig.calibrations] == [RECORD["camera"]] * 3
     assert rig.export("kalibr").filename == f"{RIG}.kalibr"
 

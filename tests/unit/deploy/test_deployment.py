@@ -93,6 +93,8 @@ def test_step_back_points_aliases_at_the_version_before() -> None:
     versions = [{"Version": version} for version in ("$LATEST", "3", "7", "9", "10")]
     lambda_ = paged({"Versions": versions}, get_alias={"FunctionVersion": "9"})
     assert aws.step_back(cloudformation, lambda_, "mine") == {"lookup": ("9", "7")}
+    lambda_.get_alias.assert_called_once_with(FunctionName="lookup", Name="live")
+    lambda_.get_paginator().paginate.assert_called_once_with(FunctionName="lookup")
     lambda_.update_alias.assert_called_once_with(
         FunctionName="lookup",
         Name="live",

@@ -28,6 +28,8 @@ def test_named_and_newest_versions_and_used_artifacts_stay() -> None:
     times = {"calibdb/used": OLD, "calibdb/old": OLD, "calibdb/young": NOW}
     s3 = paged({"Contents": [{"Key": key, "LastModified": time} for key, time in times.items()]}, {})
     done = prune({"cloudformation": cloudformation, "lambda": lambda_, "s3": s3}, "calibdb", NOW)
+    s3.get_paginator().paginate.assert_called_once_with(Bucket="artifacts", Prefix="calibdb/")
+    lambda_.list_aliases.assert_called_once_with(FunctionName="Lookup")
     assert MAX_VERSIONS == 5
     # 11 to 7 stay, and those of the alias.
     assert lambda_.delete_function.mock_calls == [

@@ -135,3 +135,5 @@ def test_a_camera_takes_one_point_or_many_in_any_kind_of_array(model: str) -> No
     for wrong in (points.T, points[:, :2], [1.0]):
         with pytest.raises(ValueError, match="wanted"):
             camera.project(wrong)
+    with pytest.raises(ValueError, match="wanted"):
+        camera.unproject(points)

@@ -25,6 +25,7 @@ def test_stated_error_is_the_rms_and_the_largest_of_the_map() -> None:
     found = fit(*corner_views("opencv_left"))
     std, stated = found.projection_std(), found.uncertainty()
     np.testing.assert_allclose((stated.rms, stated.max), (np.sqrt(np.nanmean(std**2)), np.nanmax(std)))
+    assert std[7, 10] < std[0, 0], "the middle of the image is known better than its corner"
 
 
 def test_error_does_not_jump_at_the_edge_of_the_domain() -> None:

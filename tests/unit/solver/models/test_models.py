@@ -38,6 +38,15 @@ def test_jacobian_on_the_optical_axis_is_the_focal_length(name: str) -> None:
     assert np.isfinite(by_k).all()
 
 
+@pytest.mark.parametrize("name", models.NAMES)
+def test_points_are_valid_where_they_have_a_pixel(name: str) -> None:
+    camera = Camera.from_intrinsics(name, INTRINSICS[name], (1280, 720))
+    points = np.random.default_rng(1).normal(size=(200, 3))
+    has_pixel = np.isfinite(camera.project(points)).all(axis=1)
+    np.testing.assert_array_equal(camera.valid(points), has_pixel)
+    assert has_pixel.all() == (name == "fisheye")
+
+
 def opencv(name: str, p: Array, matrix: Array, d: Array) -> Array:
     zero = np.zeros((3, 1))
     if name == "fisheye":
