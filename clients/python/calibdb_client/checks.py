@@ -27,10 +27,11 @@ MAX_SENT_VIEWS = 5
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Result of a check: px rms of the views under the calibration, and expected, under their own fit.
+    """Result of a check.
 
-    Votes are the numbers that agree and disagree; `counted`: this check is one. `record` is all that the
-    service answered.
+    `fits`: the calibration fits the views. `error` and `expected`: px rms of the views under it, and under
+    their own fit. `votes`: numbers that agree and disagree; `counted`: this check is one of them. `record`:
+    all that the service answered.
     """
 
     fits: bool

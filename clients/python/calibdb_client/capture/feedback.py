@@ -30,8 +30,8 @@ _ESCAPE = 27
 class Scene:
     """State of a capture at one frame.
 
-    Corners seen are (n, 2) px, None without a board; there is no target while the service is asked. `hold`: 0
-    to 1, part of the time for which the board must be held still.
+    `picture` is (h, w) or (h, w, 3). Corners seen are (n, 2) px, None without a board; there is no target
+    while the service is asked. `hold`: 0 to 1, part of the time for which the board must be held still.
     """
 
     picture: Any

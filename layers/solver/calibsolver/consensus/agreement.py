@@ -41,6 +41,7 @@ SPREAD_MEMBERS, MAX_SPREAD_RATIO = 2.0, 6.0
 MAX_PULL_SIGMAS = 1.5
 """Standardised distance from the mean beyond which a contributor pulls no harder."""
 MIN_IMAGE_SHARE = 1e-4
+"""Share by which every parameter moves the image at least: no direction is exempt."""
 MAX_MEAN_ITERATIONS = 20
 MAX_ROUNDS = 12
 MAX_STARTS = 4

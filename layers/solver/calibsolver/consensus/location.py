@@ -32,7 +32,8 @@ HUBER_WIDTHS = 0.75 / 1280
 no harder: 0.18 % of the focal length. Specimens of one product differ by 0.1 to 0.4 %."""
 MAX_IRLS_ITERATIONS = 100
 IRLS_TOLERANCE_PX = 1e-5
-MIN_IMAGE_SHARE = 1e-6
+MIN_METRIC = 1e-6
+"""Share by which every parameter moves the image at least: invisible directions must not be singular."""
 MAX_VIEW_POINTS = 150
 MAX_LINEARIZATIONS = 5
 STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
@@ -91,7 +92,7 @@ class Contributions:
         self.huber_px = HUBER_WIDTHS * width
         self.owner = number_owners([f.member.contributor for f in fitted])
         k = camera.intrinsics
-        self.scale, self.metric = scaled_metric(camera, MIN_IMAGE_SHARE)
+        self.scale, self.metric = scaled_metric(camera, MIN_METRIC)
         self.between = self.metric / (MIN_SPREAD_WIDTHS * width) ** 2
         with np.errstate(all="ignore"):  # calibrations that do not belong here
             linear = [self._linearize(f) for f in fitted]

@@ -20,7 +20,7 @@ ERROR_GRID = (12, 9)
 NOMINAL_NOISE_WIDTHS = 0.3 / 1280
 """Standard deviation of a corner's coordinate / image width, before any measurement."""
 MIN_NOISE_WIDTHS = 0.05 / 1280
-"""The same of the best detector."""
+"""The same of the best detector: residuals that are smaller by chance do not promise more."""
 MAX_MEDIAN_ERROR_WIDTHS = 0.15
 """Median error / image width of a view with only its pose fitted; no lens explains more."""
 NEGLIGIBLE_INFLATION = 1.5
