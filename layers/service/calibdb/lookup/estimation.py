@@ -28,8 +28,7 @@ def estimate_for(
 
     `fitting`: the group that fits the views sent.
     """
-    identity, system = identify(request.camera, request.platform), system_of(request.platform)
-    kind = device_of(identity, system).kind
+    kind = _kind(request) if known or request.reported else ""
     here = None if fitting else _calibration_here(request, known)
     evidence = [*_reports(request, kind), *_other_sizes(request, known, kind)]
     if fitting is not None:
@@ -54,6 +53,11 @@ def estimate_for(
         likely = _with_lens_of(result, fitting.calibration)
         return likely.model_copy(update={"group": fitting.name or f"{likely.hfov_deg:.0f}°"})
     return result
+
+
+def _kind(request: LookupRequest) -> str:
+    identity, system = identify(request.camera, request.platform), system_of(request.platform)
+    return device_of(identity, system).kind
 
 
 def _log_tan(calibration: Calibration) -> float:
