@@ -110,3 +110,19 @@ test("misalignment is rms, and that of the outermost corner", () => {
   );
   assert.equal(misalignment(mode, pose, [[1, 1]], [[-1, -1]], SIZE), null);
 });
+
+test("the model stands on the board, towards the viewer, with crosses at the outermost corners", () => {
+  const numbers = model(DEFAULT_BOARD);
+  const vertices = Array.from({ length: numbers.length / 6 }, (_, index) => [
+    ...numbers.subarray(6 * index, 6 * index + 6),
+  ]);
+  assert.ok(vertices.every(([x, y, z]) => x >= -0.1 && x <= 9.1 && y >= -0.1 && y <= 6.1 && z <= 0));
+  const blue = vertices.filter(([, , , red, , b]) => red === 0 && b === 1);
+  for (const [x, y] of [
+    [1, 1],
+    [8, 1],
+    [8, 5],
+    [1, 5],
+  ])
+    assert.equal(blue.filter(([u, v]) => Math.hypot(u - x, v - y) < 0.31).length, 12);
+});
