@@ -111,6 +111,10 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
     if THOROUGH:
         page.evaluate(RESIZED, "")
         picture(page, f"example-{engine}", ["hand"], full=True)
+        page.evaluate(RESIZED, RATIOS[-1])
+        page.locator("#calibrated").uncheck()
+        _, _, seen = complete(page)
+        assert distance(seen - begin, expected(matrix, CORNERS, DEPTH, viewport)) > 3
 
 
 def test_a_refused_camera_is_released_an_unknown_one_estimated(
