@@ -6,6 +6,7 @@ import { rigidTransform, poseOf } from "../../web/lib/board-pose.js";
 import { stopAt } from "../../web/ar/tour.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";
+import { rotationMatrix } from "../../web/lib/pose.js";
 
 const SIZE = [1280, 720];
 const MATRIX = [
@@ -54,6 +55,7 @@ test("the board's pose is found through every model", () => {
     const lens = lensNamed(model);
     for (let stop = 0; stop < 4; stop++) {
       const pose = stopAt(DEFAULT_BOARD, calibration, stop);
+      assert.ok(rotationMatrix(pose.rvec)[8] > 0.5, "the board faces the camera");
       const { points, pixels } = view(lens, pose);
       assert.ok(points.length >= 16, `${model}, stop ${stop}: ${points.length} corners`);
       const found = rigidTransform(poseOf(lens, points, pixels));
