@@ -109,6 +109,11 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
         assert distance(marks, wanted) < 1, (ratio, marks, wanted)
         assert distance(seen, expected(matrix, CORNERS, DEPTH, viewport)) < 1
     if THOROUGH:
+        page.locator("#calibrated").uncheck()
+        _, _, seen = complete(page)
+        bent = distance(seen - begin, expected(matrix, CORNERS, DEPTH, viewport))
+        assert bent > 3, "the picture is not straightened"
+        page.locator("#calibrated").check()
         page.evaluate(RESIZED, "")
         picture(page, f"example-{engine}", ["hand"], full=True)
 

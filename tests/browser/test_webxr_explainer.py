@@ -111,9 +111,11 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
           const seen = views.map((view) => ({{
             ...look(view),
             eye: view.eye,
+            p: [...view.projectionMatrix],
+            m: [...view.transform.matrix],
             viewport: [layer.getViewport(view)].map((each) => [each.x, each.width])[0],
           }}));
-          done({{ seen, shown: shown() }});
+          done({{ seen, shown: shown(), stage: [innerWidth, innerHeight] }});
         }};
         session.requestAnimationFrame(next);
       }});
@@ -127,6 +129,15 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
         assert view["matrix"][0] == np.float32(pair[side]["camera_matrix"][0][0])
     assert [left["viewport"], right["viewport"]] == [[0, 400], [400, 400]]
     assert (found["shown"], found["left"]) == (2, 0)
+    # Both look along the same axis, and the right one is one baseline to the right, in metres.
+    one, other = (np.reshape(view["m"], (4, 4)).T for view in (left, right))
+    assert np.abs(one[:3, :3] - other[:3, :3]).max() < 1e-6
+    step = one[:3, :3].T @ (other[:3, 3] - one[:3, 3])
+    assert step == pytest.approx([0.03 * np.linalg.norm(pair["pose"]["tvec"]), 0, 0], abs=1e-6)
+    # The picture covers its half of the window, so its focal length is scaled by the larger ratio.
+    width, height = found["stage"]
+    scale = max(width / 2 / 640, height / 480)
+    assert left["p"][0] == pytest.approx(2 * pair["P1"][0][0] * scale / (width / 2), rel=1e-6)
 
 
 def test_straightened_picture_own_provider_and_raw_camera_access(

@@ -6,6 +6,7 @@ import { rigidTransform, poseOf } from "../../web/lib/board-pose.js";
 import { stopAt } from "../../web/ar/tour.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";
+import { rotationMatrix } from "../../web/lib/pose.js";
 
 const SIZE = [1280, 720];
 const MATRIX = [
@@ -54,6 +55,7 @@ test("the board's pose is found through every model", () => {
     const lens = lensNamed(model);
     for (let stop = 0; stop < 4; stop++) {
       const pose = stopAt(DEFAULT_BOARD, calibration, stop);
+      assert.ok(rotationMatrix(pose.rvec)[8] > 0.5, "the board faces the camera");
       const { points, pixels } = view(lens, pose);
       assert.ok(points.length >= 16, `${model}, stop ${stop}: ${points.length} corners`);
       const found = rigidTransform(poseOf(lens, points, pixels));
@@ -109,4 +111,20 @@ test("misalignment is rms, and that of the outermost corner", () => {
     { rms: Math.sqrt(25 / 2), outermost: 5 },
   );
   assert.equal(misalignment(mode, pose, [[1, 1]], [[-1, -1]], SIZE), null);
+});
+
+test("the model stands on the board, towards the viewer, with crosses at the outermost corners", () => {
+  const numbers = model(DEFAULT_BOARD);
+  const vertices = Array.from({ length: numbers.length / 6 }, (_, index) => [
+    ...numbers.subarray(6 * index, 6 * index + 6),
+  ]);
+  assert.ok(vertices.every(([x, y, z]) => x >= -0.1 && x <= 9.1 && y >= -0.1 && y <= 6.1 && z <= 0));
+  const blue = vertices.filter(([, , , red, , b]) => red === 0 && b === 1);
+  for (const [x, y] of [
+    [1, 1],
+    [8, 1],
+    [8, 5],
+    [1, 5],
+  ])
+    assert.equal(blue.filter(([u, v]) => Math.hypot(u - x, v - y) < 0.31).length, 12);
 });

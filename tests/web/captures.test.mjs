@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { Captures } from "../../web/calibrate/captures.js";
 import { captureKey } from "../../web/calibrate/state.js";
 import { json, keepHere, setGlobals } from "./globals.mjs";
+import { CaptureLoop } from "../../web/calibrate/capture-loop.js";
 import { RequestQueue } from "../../web/calibrate/request-queue.js";
 import { LICENCE_VERSION } from "../../web/lib/consent.js";
 import { calibrate } from "../../web/lib/series.js";
@@ -13,6 +14,7 @@ import "./messages.mjs";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
+const VIEW = { set_aside: false };
 /** A service that takes every view; gives what it was sent, session by session. */
 function serve(t) {
   const sent = [];
@@ -126,6 +128,83 @@ test("a session renewed during an outage is reported", async (t) => {
     events.map(({ type, notice }) => notice?.key ?? type),
     ["online", "capture.begun_anew"],
   );
+});
+
+test("a session renewed by a request is adopted and reported", async () => {
+  const events = [];
+  const session = { renewals: 0, resume: async () => ({ state: "as the service has it" }) };
+  const page = { state: () => ({ link: { busy: false } }), fail: (error) => assert.fail(error) };
+  const queue = new RequestQueue(page, session, {
+    dispatch: (event) => events.push(event),
+    signal: new AbortController().signal,
+  });
+  await queue.send(
+    async () => (session.renewals += 1),
+    () => {},
+  );
+  assert.deepEqual(
+    events.map(({ type, session: state, notice }) => state ?? notice?.key ?? type),
+    ["busy", "idle", "as the service has it", "capture.begun_anew"],
+  );
+});
+
+/** A capture with a made-up session, which logs the requests; `views` are taken. */
+function looping(t, views) {
+  setGlobals(t, { document: new EventTarget(), addEventListener() {} });
+  const log = [];
+  const state = {
+    link: { busy: false, offline: false, stored: 0 },
+    phase: "capturing",
+    capture: { key: null, session: { views, calibration: {} } },
+  };
+  const settings = { focusMode: "continuous" };
+  const requests = {
+    request: { track: { ...settings } },
+    renewals: 0,
+    waiting: 0,
+    resume: async () => ({ state: { status: "capturing" }, taken: 0, refused: 0 }),
+    track: (track) => (requests.request = { track }),
+    start: async () => log.push(`start ${requests.request.track.focusMode}`),
+    pose: async () => (log.push("pose"), { pose: {}, picture: new Blob() }),
+    finish: async () => (log.push("finish"), { status: "converged" }),
+  };
+  const parts = Object.fromEntries(["undo", "skip", "finish", "sharpest"].map((name) => [name, new EventTarget()]));
+  const dispatch = ({ type }) => {
+    if (type === "busy" || type === "idle") state.link.busy = type === "busy";
+    if (type === "online") state.link.offline = false;
+  };
+  const page = { parts, state: () => state, dispatch, fail: (error) => assert.fail(error) };
+  const stream = { camera: { track: { getSettings: () => settings } } };
+  const detector = new Promise(() => {});
+  const { signal } = new AbortController();
+  const loop = new CaptureLoop(page, { session: requests, detector, stream, plan: [], signal });
+  return { loop, log, parts, settings, requests, state };
+}
+
+test("a session without views begins again with the locked focus", async (t) => {
+  for (const [views, expected] of [
+    [[], ["start manual", "pose"]],
+    [[VIEW], []],
+  ]) {
+    const { loop, log, settings, requests } = looping(t, views);
+    settings.focusMode = "manual";
+    await loop.onFocused();
+    assert.deepEqual(log, expected);
+    assert.equal(requests.request.track.focusMode, "manual");
+  }
+});
+
+test("a finish during an outage follows once the service is back", async (t) => {
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const { loop, log, parts, state } = looping(t, [VIEW, VIEW, VIEW, VIEW]);
+  state.link.offline = true;
+  parts.finish.dispatchEvent(new Event("click"));
+  void loop.run();
+  await settle();
+  assert.deepEqual(log, []);
+  t.mock.timers.tick(FIRST_PAUSE_MS);
+  await settle();
+  assert.equal(log[0], "finish");
 });
 
 let fresh = 0;

@@ -8,6 +8,7 @@ import {
   digitsFor,
   digitsOf,
   fieldOfView,
+  fileName,
   intrinsics,
   levelOf,
 } from "../../web/lib/result/numbers.js";
@@ -160,6 +161,11 @@ test("the convex hull is hatched around, not inside", () => {
 
 test("axes are numbered roundly", () => {
   assert.deepEqual(ticks(1280, 5), [0, 400, 800, 1200]);
+});
+
+test("files are named after the camera", () => {
+  assert.equal(fileName(calibration), "example-camera-1234-5678-1280x720.json");
+  assert.equal(fileName({ ...calibration, camera: "…" }, "yaml"), "camera-1280x720.yaml");
 });
 
 test("results return over HTTPS, to localhost and to allowed origins", () => {

@@ -308,6 +308,8 @@ test("who comes nearer, slowly, keeps the target", () => {
   );
   assert.equal(decide(slow, 16_001), null);
   assert.equal(decide(slow, slow.capture.nearest.time + 15_001), "skip");
+  const nearer = { ...slow, capture: { ...slow.capture, nearest: { ...slow.capture.nearest, time: 45_000 } } };
+  assert.equal(decide(nearer, 45_001), "skip");
 });
 
 test("offline views are kept and counted", () => {

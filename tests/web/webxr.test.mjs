@@ -217,6 +217,17 @@ test("two sessions have a model each", async () => {
   assert.deepEqual(look(global, session)[2], "rectilinear");
 });
 
+test("a camera that is no longer known loses its calibration", async () => {
+  const { global, session, calls, again } = running();
+  look(global, session);
+  calls[0].resolve(PLAIN);
+  await settled();
+  const asked = again();
+  calls[1].resolve(null);
+  await asked;
+  assert.deepEqual(look(global, session), NOTHING);
+});
+
 test("without a pose nothing is asked for", () => {
   const { global, session, calls } = running();
   session.tracked = false;
@@ -271,8 +282,8 @@ test("two eyes are two cameras", async () => {
 test("the formula of raw camera access takes projection matrices back", () => {
   // Half of a field of view of 90° is one width away from the pinhole: numbers that need no code of ours.
   assert.deepEqual(
-    matrixOf([1, 0, 0, 0, 0, 2, 0, 0, 0.5, 0.25, -1, -1, 0, 0, -0.2, 0], 400, 200),
-    [200, 0, 0, 0, 200, 0, 99.5, 124.5, 1],
+    matrixOf([1, 0, 0, 0, 0, 3, 0, 0, 0.5, 0.25, -1, -1, 0, 0, -0.2, 0], 400, 200),
+    [200, 0, 0, 0, 300, 0, 99.5, 124.5, 1],
   );
 });
 
