@@ -106,7 +106,11 @@ function vendorWebXR() {
   writeFileSync(
     `${vendor}webxr/polyfill.d.ts`,
     `
-    export const XRDevice: new (global: object) => EventTarget & { dispatchEvent(type: string, data: unknown): void; environmentBlendMode: string };
+    type Device = EventTarget & {
+      dispatchEvent(type: string, data: unknown): void;
+      environmentBlendMode: string;
+    };
+    export const XRDevice: new (global: object) => Device;
     export const classes: Record<string, new (...parameters: any[]) => any>;
     export const SESSION: unique symbol;\n`,
   );
