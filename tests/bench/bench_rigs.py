@@ -19,7 +19,7 @@ CAMERA = synthetic.rectilinear_cameras()[5]
 
 def rows() -> Iterator[Row]:
     with one_thread():
-        yield stereo("13 real pairs", rigs.mended_pairs(), rigs.REAL_SIZE, REAL_BUDGET)
+        yield stereo("13 real pairs", rigs.corrected_pairs(), rigs.REAL_SIZE, REAL_BUDGET)
         simulated = whole_boards(SIMULATED_COUNT)
         yield stereo(f"{SIMULATED_COUNT} simulated pairs", simulated, CAMERA.img_size, SIMULATED_BUDGET)
         yield next_moment()

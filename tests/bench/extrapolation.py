@@ -70,8 +70,8 @@ def main() -> None:
         cells.append([model, str(len(own)), *covered(own), f"{error:.1f}, {stated:.1f}"])
     header = ["model", "halves of sets", "covered", "by the covariance only", "median error, stated, px"]
     total, without = covered(rows)
-    told = f"Covered: {total} of {len(rows)}; {without} by the covariance only."
-    document.replace("extrapolation", f"{document.table(header, cells)}\n\n{told}")
+    summary = f"Covered: {total} of {len(rows)}; {without} by the covariance only."
+    document.replace("extrapolation", f"{document.table(header, cells)}\n\n{summary}")
 
 
 def covered(rows: list[Row]) -> tuple[str, str]:

@@ -207,19 +207,19 @@ def conclusion(rows: Array, asides: Array) -> str:
         ("the fit of all views", rows[:, 1]),
         (f"the fit of views set aside before ({SPLITS} splits a set)", asides),
     ):
-        told = []
+        distances = []
         for choice, column in (("guided", 0), ("representative", 2), ("published method's", 3)):
             if column < table.shape[1]:
                 ratio = table[:, column] / table[:, 1]
                 finite = np.isfinite(ratio) & (ratio > 0)
                 mean = np.exp(np.mean(np.log(ratio[finite])))
                 far = np.mean(~(ratio <= 1.5))
-                told.append(
+                distances.append(
                     f"the {choice} choice is nearer than the median random choice in "
                     f"{np.mean(ratio < 1):.0%} and more than 1.5 times as far in {far:.0%} of them "
                     f"(geometric mean of the ratio {mean:.2f})"
                 )
-        parts.append(f"* Distance from {what}, {len(table)} rows: {'; '.join(told)}.")
+        parts.append(f"* Distance from {what}, {len(table)} rows: {'; '.join(distances)}.")
     return "\n".join(parts)
 
 
@@ -232,8 +232,8 @@ def main() -> None:
         [*about, *(f"{value:.2f}" if np.isfinite(value) else "none" for value in apart.ravel())]
         for about, apart in rows
     ]
-    told = conclusion(np.array([apart for _, apart in rows]), np.array(asides))
-    document.replace("real views", f"{document.table(header, cells)}\n\n{told}")
+    summary = conclusion(np.array([apart for _, apart in rows]), np.array(asides))
+    document.replace("real views", f"{document.table(header, cells)}\n\n{summary}")
 
 
 if __name__ == "__main__":

@@ -53,9 +53,9 @@ def in_hands() -> str:
                 ours.append(np.sqrt(square / predicted(found, np.asarray(found.covariance))))
                 plain.append(np.sqrt(square / predicted(found, white(found))))
         shares = ", ".join(f"{np.mean(each):.0%}" for each in named.values())
-        for covariance, ratios, told in (("calibDB", ours, shares), ("white noise", plain, "")):
+        for covariance, ratios, share in (("calibDB", ours, shares), ("white noise", plain, "")):
             above = f"{np.mean(np.array(ratios) > 2):.0%}"
-            rows.append([name, covariance, str(len(ratios)), f"{np.median(ratios):.2f}", above, told])
+            rows.append([name, covariance, str(len(ratios)), f"{np.median(ratios):.2f}", above, share])
     views_of = ", ".join(map(str, HANDS_VIEWS))
     header = ["hand", "covariance", "captures", "error / predicted, median", "above 2"]
     return document.table([*header, f"cause named, of {views_of} views"], rows)

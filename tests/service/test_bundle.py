@@ -51,7 +51,7 @@ class Both:
     """Requests, the answers of the service (None: a miss) and of the file, and the file's size."""
 
     asked: list[Request]
-    told: list[Any]
+    served: list[Any]
     found: list[Any]
     written: BundleResult
     public: bool
@@ -130,9 +130,9 @@ def both(
         asked, client = requests(known), Client(stack)
         answers = [client.lookup(**each, redirect=False) for each in asked]
     assert {answer.status for answer in answers} == {200, 404}
-    told = [answer.json if answer.status == 200 else None for answer in answers]
+    served = [answer.json if answer.status == 200 else None for answer in answers]
     found = run_module(PROGRAM, sent={"data": json.loads(path.read_text()), "requests": asked})
-    return Both(asked, told, found, written, request.param == "3")
+    return Both(asked, served, found, written, request.param == "3")
 
 
 def same(one: Any, other: Any) -> bool:
@@ -146,25 +146,27 @@ def same(one: Any, other: Any) -> bool:
 
 
 def test_bundle_holds_reliable_answers_only(both: Both) -> None:
-    answers = zip(both.asked, both.told, both.found, strict=True)
-    assert [asked for asked, told, found in answers if found is not None and told is None] == []
+    answers = zip(both.asked, both.served, both.found, strict=True)
+    assert [asked for asked, served, found in answers if found is not None and served is None] == []
 
 
 def test_bundle_answers_as_the_service(both: Both) -> None:
     compared = 0
-    for asked, told, found in zip(both.asked, both.told, both.found, strict=True):
+    for asked, served, found in zip(both.asked, both.served, both.found, strict=True):
         if found is not None:
             compared += 1
             # what becomes of it at another size is worked out for usual sizes only
             if asked["img_size"] == [1000, 700]:
                 assert found["adapted"] is None
-                told |= {"relation": found["relation"], "adapted": None}
-            assert same(found, told), (asked, told, found)
+                served |= {"relation": found["relation"], "adapted": None}
+            assert same(found, served), (asked, served, found)
     assert compared > 200 / STEP
 
 
 def test_bundle_resolves_known_names_as_the_service(both: Both) -> None:
-    known = [found is not None for told, found in zip(both.told, both.found, strict=True) if told is not None]
+    known = [
+        found is not None for served, found in zip(both.served, both.found, strict=True) if served is not None
+    ]
     # At home an iPhone's "Back Camera" is the one that is meant; in public nobody's, so no file has it.
     assert sum(known) / len(known) > (0.9 if both.public else 0.6)
     exact = [found["exact_size"] for found in both.found if found]

@@ -109,15 +109,19 @@ def test_public_search_needs_two_contributors(stack: Server, store: Store) -> No
         assert label not in labels(stack, "limit=50")
 
 
-@pytest.mark.parametrize(("said", "told"), [("wrong: seen in a mirror", "wrong"), ("Anna asked", "other")])
-def test_a_withdrawn_calibration_is_gone(stack: Server, store: Store, said: str, told: str) -> None:
-    document = calibration(f"Gone {told} Z1", number=7)
+@pytest.mark.parametrize(
+    ("said", "expected_reason"), [("wrong: seen in a mirror", "wrong"), ("Anna asked", "other")]
+)
+def test_a_withdrawn_calibration_is_gone(
+    stack: Server, store: Store, said: str, expected_reason: str
+) -> None:
+    document = calibration(f"Gone {expected_reason} Z1", number=7)
     store.calibrations.publish(document)
     assert Client(stack).calibration(document.id).status == 200
     store.calibrations.withdraw(document, said, 0)
     for query in ("", "format=ros"):
         answer = Client(stack).calibration(document.id, query)
-        assert (*answer.problem, answer.json["reason"]) == (410, "withdrawn", told)
+        assert (*answer.problem, answer.json["reason"]) == (410, "withdrawn", expected_reason)
         assert "Anna" not in json.dumps(answer.json)
 
 

@@ -174,7 +174,7 @@ def test_every_block_of_code_is_run_or_says_why_not() -> None:
         if block.reason is not None:
             assert len(block.reason.split()) >= 3, f"{place} says no reason"
         else:
-            assert runs, f"{place}: nobody runs this {block.language}"
+            assert runs, f"{place}: no test runs this {block.language}"
     skipped = [block for block in code if block.reason is not None]
     assert len(skipped) <= 20
 

@@ -161,7 +161,7 @@ def test_server_stops_within_three_seconds_and_a_restart_keeps_its_sessions(
     with LocalProcess(data_dir, {"WORKERS": workers}) as first, Remote(first.url) as remote:
         client = Client(remote)
         state = client.open().json
-        assert client.call("GET", "/v1/session", token="secret-of-nobody").status == 403
+        assert client.call("GET", "/v1/session", token="unknown-secret").status == 403
         port = int(first.url.rpartition(":")[2])
         assert "is in use by another server" in refusal(data_dir)
         with pytest.raises(PortInUseError, match=f"port {port} cannot be used"):
@@ -176,7 +176,7 @@ def test_server_stops_within_three_seconds_and_a_restart_keeps_its_sessions(
         log = first.log.read_text()
     secrets = (data_dir / "secrets.json").read_text()
     kept = [secret for secret in secrets.split('"') if len(secret) >= 32]
-    for secret in (TOKEN, client.session_id, "secret-of-nobody", *kept):
+    for secret in (TOKEN, client.session_id, "unknown-secret", *kept):
         assert secret not in log
     assert "GET /v1/session 403" in log
     with Server(data_dir) as second:

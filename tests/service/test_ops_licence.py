@@ -46,9 +46,9 @@ def test_what_was_given_without_counts_and_stays_out_of_dumps(operator: Operator
 def test_import_says_its_licence(operator: Operator, tmp_path: Path) -> None:
     path = tmp_path / "corners.vnl"
     path.write_bytes(formats.write(subject("rectilinear"), "corners-vnl").content)
-    told = ["import", path, "--squares", "9x6", "--img-size", "1280x720", "--model", "rectilinear"]
-    told += ["--platform", "Linux", "--camera", "Microsoft LifeCam HD-3000 (045e:0779)"]
-    operator(*told, "--licence", "MIT", status=1)
-    operator(*told, "--licence", "CC0-1.0")
+    arguments = ["import", path, "--squares", "9x6", "--img-size", "1280x720", "--model", "rectilinear"]
+    arguments += ["--platform", "Linux", "--camera", "Microsoft LifeCam HD-3000 (045e:0779)"]
+    operator(*arguments, "--licence", "MIT", status=1)
+    operator(*arguments, "--licence", "CC0-1.0")
     with Server(operator.folder) as stack:
         assert [document.licence for document in store(stack).calibrations.all()] == ["CC0-1.0"]

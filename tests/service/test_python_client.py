@@ -111,18 +111,18 @@ def test_folder_of_pictures_becomes_a_calibration_of_the_database(
     folder = board_pictures.write(tmp_path / "pictures", Board(), count=5)
     path = tmp_path / "camera.json"
     drawn = ["--squares", "9x6", "--label", "Drawn camera"]
-    told = run(main, "calibrate", folder, *drawn, "-o", path, "--json").document
-    assert told["img_size"] == list(board_pictures.SIZE)
-    assert np.abs(np.array(told["camera_matrix"]) - board_pictures.MATRIX).max() < 5
+    result = run(main, "calibrate", folder, *drawn, "-o", path, "--json").document
+    assert result["img_size"] == list(board_pictures.SIZE)
+    assert np.abs(np.array(result["camera_matrix"]) - board_pictures.MATRIX).max() < 5
     with Client(cache=False) as client:
-        stored = client.calibration(told["id"])
-        assert np.allclose(stored.camera_matrix, told["camera_matrix"])
+        stored = client.calibration(result["id"])
+        assert np.allclose(stored.camera_matrix, result["camera_matrix"])
         assert stored.record["platform"] == "photographs"
         again = client.submit(Recording.load(path))
         assert np.allclose(again.calibration.camera_matrix, stored.camera_matrix)
         assert again.used == 5
         compared = client.check_against(Recording.load(path), stored)
-    checked = run(main, "check", path, "--against", told["id"], "--json").document
+    checked = run(main, "check", path, "--against", result["id"], "--json").document
     assert (checked["fits"], checked["views"], checked["drift"]) == (True, 5, compared.drift)
     assert compared.drift < 2
 

@@ -52,7 +52,7 @@ def test_settings_and_security_file_say_who_runs_the_service(monkeypatch: pytest
     for name, value in operator.items():
         monkeypatch.setenv(name, value)
     with Server() as stack:
-        told = json.loads(request(stack, "GET", "/config.json").body)["operator"]
+        settings = json.loads(request(stack, "GET", "/config.json").body)["operator"]
         security = request(stack, "GET", "/.well-known/security.txt").body.decode()
-    assert list(told.values()) == list(operator.values())
+    assert list(settings.values()) == list(operator.values())
     assert f"Contact: {operator['OPERATOR_CONTACT']}" in security

@@ -248,9 +248,9 @@ def test_bundle_of_known_cameras_says_its_licence(stack: Server, context: OpsCon
             store.calibrations.publish(document.model_copy(update=GIVEN if consented else {}))
         put(store, consensus(camera=label, platform=LINUX))
     publish_dump(context)
-    told = statistics_of(stack)["bundle"]
-    content = read(stack, told["name"])
-    assert (len(content), hashlib.sha256(content).hexdigest()) == (told["size"], told["sha256"])
+    entry = statistics_of(stack)["bundle"]
+    content = read(stack, entry["name"])
+    assert (len(content), hashlib.sha256(content).hexdigest()) == (entry["size"], entry["sha256"])
     bundle = json.loads(content)
     licences = {camera["camera"]: camera.get("licence") for camera in bundle["cameras"]}
     assert licences == {given: "CC0-1.0", mixed: None}

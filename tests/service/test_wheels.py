@@ -72,8 +72,8 @@ def calibrated(environment: Path, tmp_path_factory: pytest.TempPathFactory) -> P
     board_pictures.write(folder / "photos", Board())
     command = ("calibrate", "photos", "--offline", "--json", "-o", "camera.json")
     known = ("--squares", "9x6", "--model", "rectilinear")  # to find both takes long
-    told = run(environment / "calibdb", *command, *known, folder=folder)
-    assert abs(json.loads(told)["camera_matrix"][0][0] - board_pictures.MATRIX[0, 0]) < 5
+    output = run(environment / "calibdb", *command, *known, folder=folder)
+    assert abs(json.loads(output)["camera_matrix"][0][0] - board_pictures.MATRIX[0, 0]) < 5
     return folder
 
 

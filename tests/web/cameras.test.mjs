@@ -124,25 +124,25 @@ test("the agreement is polled until the calibration counts", async (t) => {
     return Response.json({ modes: [asked.length < 3 ? mode : { ...mode, agreeing: 3, groups: [["a", "b", "c"]] }] });
   });
   keepHere(t);
-  const told = [];
+  const agreements = [];
   const calibration = { id: "c", img_size: [1280, 720], zoom: 0 };
   await followAgreement(
     "key",
     calibration,
     new AbortController().signal,
-    (agreement) => told.push(agreement.agreeing),
+    (agreement) => agreements.push(agreement.agreeing),
     async () => {},
   );
-  assert.deepEqual(told, [2, 2, 3]);
-  told.length = 0;
+  assert.deepEqual(agreements, [2, 2, 3]);
+  agreements.length = 0;
   await followAgreement(
     "key",
     { ...calibration, id: "d" },
     new AbortController().signal,
-    (agreement) => told.push(agreement.agreeing),
+    (agreement) => agreements.push(agreement.agreeing),
     async () => {},
   );
-  assert.equal(told.length, 1);
+  assert.equal(agreements.length, 1);
 });
 
 test("own calibrations are kept once, the newest first", (t) => {

@@ -150,7 +150,7 @@ def real_pairs() -> list[dict[int, View]]:
     return [{i: side[number] for i, side in enumerate(sides)} for number in numbers]
 
 
-def mended_pairs() -> list[dict[int, View]]:
+def corrected_pairs() -> list[dict[int, View]]:
     """Pairs whose reversed view is turned back, points in one order on both sides, as OpenCV wants them."""
     moments = real_pairs()
     m, position = REVERSED

@@ -70,7 +70,7 @@ class LocalProcess:
             variables = without_checkout(os.environ)
         else:
             command = [sys.executable, "-m", "infra.server"]
-            # SIGABRT tells what every thread does
+            # SIGABRT prints what every thread does
             variables = os.environ | {
                 "PYTHONPATH": "layers/service:layers/solver:.",
                 "PYTHONFAULTHANDLER": "1",

@@ -89,6 +89,6 @@ def test_forgetting_a_contributor_takes_their_rigs(stack: Server, context: OpsCo
         assert rig.call("GET").status == 404
     own, others = result["cameras"]
     client = finished.clients[0]
-    assert client.calibration(own).status == 200, "somebody else's"
+    assert client.calibration(own).status == 200, "of another client"
     assert client.calibration(others).status == 404
     assert gone not in withdrawal._contributors(context)

@@ -224,13 +224,13 @@ def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
         assert threading.active_count() == before
         terminal.taken(Status(3, 0.6, 0.5))
         terminal.close()
-    told = b""
+    printed = b""
     with contextlib.suppress(OSError):  # the end
         while piece := os.read(leader, 65536):
-            told += piece
+            printed += piece
     os.close(leader)
-    assert b"2 views, 50 %, 0.70 px" in told
-    assert b"\a" in told
+    assert b"2 views, 50 %, 0.70 px" in printed
+    assert b"\a" in printed
 
 
 def test_window_draws_target_corners_and_words() -> None:

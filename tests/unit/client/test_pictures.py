@@ -41,7 +41,7 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     sigma = calibration.uncertainty["rms"]
     assert np.abs(calibration.camera_matrix - board_pictures.MATRIX).max() < 3 * sigma + 1
     assert len(Recording.load(path).views) == 4
-    assert calibdb(f"submit {path}") == 2, "nobody said which camera it is"
+    assert calibdb(f"submit {path}") == 2, "the camera is not named"
     assert calibdb(f"calibrate {folder} --offline", *BOARD) == 0
     (other,) = set(working.iterdir()) - {path}  # an earlier capture is never replaced
     assert np.allclose(Calibration.load(other).camera_matrix, calibration.camera_matrix)

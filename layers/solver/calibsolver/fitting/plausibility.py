@@ -37,12 +37,12 @@ def check_result(problem: Problem, state: State, good: Mask, robust: bool) -> No
 def _implausibility(problem: Problem, state: State, good: Mask, robust: bool) -> str | None:
     k, (w, h), mask = state.k, problem.img_size, problem.obs.mask
     if not (np.isfinite(k).all() and state.is_finite):
-        return "the fit ran away"
+        return "the fit diverged"
     focal, ratio = problem.focal_widths(k), float(k[0] / k[1])
     if focal <= MIN_FOCAL_WIDTHS:
-        return f"a focal length below {MIN_FOCAL_WIDTHS:.0%} of the image's width is no camera's"
+        return f"no camera has a focal length below {MIN_FOCAL_WIDTHS:.0%} of the image's width"
     if not focal < MAX_FOCAL_WIDTHS:
-        return f"a focal length of over {MAX_FOCAL_WIDTHS:.0f} image widths is no camera's"
+        return f"no camera has a focal length above {MAX_FOCAL_WIDTHS:.0f} image widths"
     if not 1 / MAX_PIXEL_ASPECT < ratio < MAX_PIXEL_ASPECT:
         return f"pixels {format_factor(max(ratio, 1 / ratio))} as long as wide are no camera's"
     if not (-0.25 * w < k[2] < 1.25 * w and -0.25 * h < k[3] < 1.25 * h):

@@ -291,5 +291,5 @@ def fit_constrained(
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken
         state = problem.solve(problem.at(k, poses), weights, LEAST_SQUARES)
     if not (np.isfinite(state.k).all() and np.isfinite(state.square[weights > 0]).all()):
-        raise CalibrationError("not_representable", "the fit of the simpler model ran away")
+        raise CalibrationError("not_representable", "the fit of the simpler model diverged")
     return Camera.from_intrinsics(model.name, state.k, camera.img_size)

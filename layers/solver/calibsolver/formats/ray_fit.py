@@ -69,7 +69,7 @@ def fit_samples(
         fits = [_descend(problem, basis @ np.linalg.lstsq(basis, k, rcond=None)[0]) for k in starts]
     square, k = min(fits, key=lambda one: one[0], default=(np.inf, np.zeros(model.size)))
     if not np.isfinite(square):
-        raise CalibrationError("not_representable", "the fit of the simpler model ran away")
+        raise CalibrationError("not_representable", "the fit of the simpler model diverged")
     return Camera.from_intrinsics(model.name, k, img_size)
 
 

@@ -129,7 +129,7 @@ def level_of(whole: float, inside: float, covered: float) -> Level:
 def _doubts(
     calibration: Calibration, views: Sequence[View], held_out: float | None
 ) -> Iterator[tuple[Level, Reason]]:
-    """What makes the predicted errors doubtful, and the best level that it leaves."""
+    """Reasons to doubt the predicted errors, each with the best level that it leaves."""
     width = calibration.camera.img_size[0]
     left_out = len(calibration.cut_views)
     count = len(views) - left_out

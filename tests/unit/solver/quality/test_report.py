@@ -144,16 +144,16 @@ def test_unexplained_views_are_described_in_words() -> None:
 
 def test_description_is_json_of_the_fit() -> None:
     calibration, views = good()
-    told = json.loads(json.dumps(describe(calibration, views, indices=[*range(10, 16)], held_out=0.3)))
-    assert told["verdict"] == {"level": "good", "reasons": []}
-    assert told["held_out"] == 0.3
+    description = json.loads(json.dumps(describe(calibration, views, indices=[*range(10, 16)], held_out=0.3)))
+    assert description["verdict"] == {"level": "good", "reasons": []}
+    assert description["held_out"] == 0.3
     std = np.sqrt(np.diag(calibration.covariance))
-    assert told["std"]["fx"] == pytest.approx(std[0], rel=0.01)
-    assert told["std"]["distortion"] == pytest.approx(std[4:], rel=0.01)
-    assert np.array(told["error_map"]["px"]) == pytest.approx(calibration.projection_std(), rel=0.01)
-    assert np.shape(told["error_map"]["px"]) == (15, 20)
-    assert [view["index"] for view in told["views"]] == [*range(10, 16)]
-    for i, view in enumerate(told["views"]):
+    assert description["std"]["fx"] == pytest.approx(std[0], rel=0.01)
+    assert description["std"]["distortion"] == pytest.approx(std[4:], rel=0.01)
+    assert np.array(description["error_map"]["px"]) == pytest.approx(calibration.projection_std(), rel=0.01)
+    assert np.shape(description["error_map"]["px"]) == (15, 20)
+    assert [view["index"] for view in description["views"]] == [*range(10, 16)]
+    for i, view in enumerate(description["views"]):
         assert np.array(view["points"]) == pytest.approx(views[i].image_points, abs=0.006)
         assert np.array(view["residuals"]) == pytest.approx(calibration.residuals[i], abs=1e-3)
         assert view["rms"] == pytest.approx(calibration.view_errors[i], abs=1e-4)
