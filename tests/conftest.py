@@ -19,7 +19,7 @@ SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 #: modules that take longest: what begins last must be short
 LONGEST = (
     *("test_all_pages", "test_virtual_camera", "test_result", "test_interruptions", "test_controls"),
-    *("test_pages", "test_board", "test_ar", "test_rig", "test_sdk", "test_developers"),
+    *("test_pages", "test_board", "test_ar", "test_rig", "test_developers"),
     *("test_import", "test_guidance", "test_hostile", "test_boards_in_pictures", "test_live_capture"),
     *("test_agreement", "test_documents", "test_server_wheel", "test_durability", "test_iam"),
 )

@@ -15,7 +15,7 @@ from calibdb.store import Store
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.bench.table import Row
 from tests.browser.conftest import CHROMIUM, chromium_path
-from tests.browser.test_detector import WATCH
+from tests.browser.test_camera import DETECTIONS
 from tests.browser.test_kept_files import HOST, kept
 from tests.browser.test_rectifier import calibration
 from tests.helpers.browser.fake_camera import camera
@@ -42,7 +42,7 @@ def detector(playwright: Playwright, url: str, visited: str) -> Iterator[Row]:
     page = browser.new_page(base_url=url, service_workers="block")
     first = statistics.median([first_detection(page) for _ in range(4)][1:])
     page.goto("/board/")
-    seen = page.evaluate(WATCH, FRAMES)
+    seen = page.evaluate(DETECTIONS, FRAMES)
     video = [calibration("rectilinear"), RATE]
     rectified = {"Chromium": page.evaluate(RECTIFIED_AT_RATE, video)}
     visitor = browser.new_page(base_url=visited)

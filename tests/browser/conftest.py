@@ -37,7 +37,6 @@ CHROMIUM = [
     "--disable-component-update",
     "--disable-sync",
 ]
-FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 
 #: context of a visitor of some kind: options of `Browser.new_context`
 Visitor = Callable[..., BrowserContext]
@@ -130,25 +129,6 @@ def visitor(chromium: Browser, stack: str) -> Iterator[Visitor]:
 @pytest.fixture
 def context(visitor: Visitor) -> BrowserContext:
     return visitor()
-
-
-@pytest.fixture(scope="session")
-def chromium_with_camera(playwright: Playwright) -> Iterator[Browser]:
-    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
-    yield browser
-    browser.close()
-
-
-@pytest.fixture
-def camera_page(chromium_with_camera: Browser) -> Iterator[Page]:
-    """A page in a Chromium with a made-up camera; uncaught errors fail the test."""
-    page = chromium_with_camera.new_page(service_workers="block", locale="en-GB")
-    page.set_default_timeout(1000 * TIMEOUT_S)
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    yield page
-    page.close()
-    assert errors == []
 
 
 @pytest.fixture

@@ -14,11 +14,13 @@ from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught
 
 KEY = {"camera": "Shelf Test Camera (1234:0002)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+APART = "How far apart the two show a point: typically"
 
 
 def test_what_is_known_is_drawn(page: Page) -> None:
     answer(page, "**/v1/cameras?*", cameras)
     answer(page, "**/v1/cameras/*", camera)
+    answer(page, "**/v1/calibrations/*", result)
     page.goto("/cameras/")
     page.locator("#found tr").first.wait_for()
     expect(page.locator("#found > tr")).to_have_count(6)
@@ -57,7 +59,14 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     assert bar.evaluate("(bar) => bar.getBoundingClientRect().top") == 0
     captions = page.locator("figcaption").all_text_contents()
     assert [caption for caption in captions if "consensus" in caption] == captions[-2:]
+    boxes = page.locator(".members input[type=checkbox]")
+    boxes.nth(0).check()
+    boxes.nth(1).check()
+    expect(boxes.nth(2)).to_be_disabled()
+    expect(page.locator(".comparison figcaption")).to_contain_text(APART)
     picture(page, "camera", full=True)
+    boxes.nth(1).uncheck()
+    expect(page.locator(".comparison figcaption")).to_have_count(0)
 
 
 def test_a_calibrated_camera_is_found_and_fitted_with_any_model(
@@ -100,28 +109,6 @@ def one_per_cent_longer() -> dict[str, Any]:
     return result() | {"camera_matrix": [[fx * 1.01, *first], second, third]}
 
 
-@pytest.mark.thorough
-def test_two_calibrations_are_compared(page: Page) -> None:
-    answer(page, "**/v1/cameras/*", camera)
-    answer(page, "**/v1/calibrations/*", result)
-    answer(page, "**/v1/calibrations/m10", one_per_cent_longer)
-    page.goto("/cameras/?key=c2.specimen")
-    boxes = page.locator(".members input[type=checkbox]")
-    boxes.nth(0).check()
-    boxes.nth(1).check()
-    expect(boxes.nth(2)).to_be_disabled()
-    caption = page.locator(".comparison figcaption")
-    expect(caption).to_contain_text("How far apart the two show a point: typically")
-    row = page.locator(".comparison tbody tr").first
-    expect(row).to_contain_text("σ")
-    apart = float(re.findall(r"([\d.]+)\s*σ", row.text_content() or "")[0])
-    std = result()["report"]["std"]["fx"]
-    assert apart == pytest.approx(0.01 * result()["camera_matrix"][0][0] / (std * 2**0.5), rel=0.02)
-    boxes.nth(1).uncheck()
-    expect(page.locator(".comparison")).to_be_empty()
-    picture(page, "camera-compared", ["hand"], full=True)
-
-
 def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     answer(page, "**/v1/cameras/*", camera)
     for name in ("a", "c1-example"):
@@ -141,7 +128,7 @@ def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     compared, caption = page.locator(".comparison thead"), page.locator(".comparison figcaption")
     file = page.locator("#with-file")
     file.set_input_files({"name": "camera.yaml", "mimeType": "text/yaml", "buffer": opencv_file()})
-    expect(caption).to_contain_text("How far apart the two show a point: typically")
+    expect(caption).to_contain_text(APART)
     typical = float(re.findall(r"typically ([\d.]+)", caption.text_content() or "")[0])
     assert typical == pytest.approx(3.7, rel=0.15)
     expect(compared).to_contain_text("camera.yaml")
@@ -156,8 +143,12 @@ def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     page.locator("#with-consensus").click()
     expect(compared).to_contain_text("Consensus")
     page.locator("#tick-b").check()
-    expect(caption).to_contain_text("How far apart the two show a point")
-    expect(page.locator(".comparison tbody tr").first).to_contain_text("σ")
+    expect(caption).to_contain_text(APART)
+    row = page.locator(".comparison tbody tr").first
+    expect(row).to_contain_text("σ")
+    apart = float(re.findall(r"([\d.]+)\s*σ", row.text_content() or "")[0])
+    std = result()["report"]["std"]["fx"]
+    assert apart == pytest.approx(0.01 * result()["camera_matrix"][0][0] / (std * 2**0.5), rel=0.02)
     picture(page, "mine-compared", ["desk", "hand"], full=True)
     page.locator("#own li button").first.click()
     expect(page.locator("#own li button")).to_have_count(1)

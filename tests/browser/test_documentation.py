@@ -1,7 +1,8 @@
-"""Quickstart, search and trial calls of the documentation."""
+"""Examples of the documents on pages of other origins, search and trial calls."""
 
 import json
 import re
+import subprocess
 from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import partial
@@ -17,16 +18,32 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 from infra.web_build.openapi import EXAMPLES_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
 from tests.helpers.rig_vectors import RIGS_PATH
 
-from .conftest import ROOT
+from .conftest import ROOT, TOKEN
 
 KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
 BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
+NO_ICON = '<link rel="icon" href="data:,">'
+EXPORT = """async ([id, token, api]) => {
+  const headers = { authorization: `Bearer ${token}` };
+  const response = await fetch(`${api}/calibrations/${id}?format=ros`, { headers });
+  return [response.status, response.headers.get("x-conversion-error"), await response.text()];
+}"""
+WORKER = """import { lookup } from "/sdk/calibdb.js";
+onmessage = async ({ data }) => postMessage((await lookup(data, { token: "cdb_dev_local" })).reason);"""
+IN_WORKER = """(key) => new Promise((resolve, reject) => {
+  const worker = new Worker("/worker.js", { type: "module" });
+  worker.onmessage = ({ data }) => resolve(data);
+  worker.onerror = (event) => reject(event.message);
+  worker.postMessage(key);
+})"""
 #: two cameras of 640 x 480 px
 CAMERAS = f"""
   {CAMERA.replace("HD Pro Webcam C920 (046d:082d)", "C 1").replace("1280", "640").replace("720", "480")}
@@ -73,7 +90,55 @@ def test_quickstart_ends_with_a_known_camera(
     answer = json.loads(page.locator("#answer").inner_text())
     assert answer["camera_matrix"] == state["calibration"]["camera_matrix"]
     assert address(page) == quickstart
+    status, error, text = page.evaluate(EXPORT, [state["calibration_id"], TOKEN, f"{stack}/v1"])
+    assert (status, float(error) < 0.01) == (200, True)
+    assert "camera_matrix" in text
     assert errors == []
+
+
+def test_pages_elsewhere_may_capture_in_chromium_and_in_firefox(
+    context: BrowserContext, in_firefox: InFirefox, quickstart: str, stack: str
+) -> None:
+    function = f"() => ({page_function('capture_elsewhere')})({[stack, TOKEN]!r})"
+    page = context.new_page()
+    page.goto(quickstart)
+    for reason, opened, others in (page.evaluate(function), in_firefox(quickstart, function)):
+        assert (reason, opened) == ("unknown_camera", 201)
+        assert len(others) == 3
+        assert all(400 <= status < 500 for status in others), "refused by the service, not the browser"
+
+
+@pytest.mark.parametrize("source", ["README.md", "web/sdk/README.md"])
+def test_examples_of_readmes_lead_to_the_calibration(
+    page: Page, stack: str, tmp_path: Path, source: str
+) -> None:
+    html = example(source, "html").replace(SITE, stack)
+    if source == "web/sdk/README.md":
+        install = example(source, "sh").replace(SITE, stack).split()
+        (tmp_path / "package.json").write_text("{}")
+        subprocess.run([*install, "--silent", "--no-audit", "--no-fund"], cwd=tmp_path, check=True)
+        html = html.replace(f"{stack}/sdk/", "./node_modules/calibdb/")
+        html = html.replace('"cdb_dev_local"', f'"cdb_dev_local", api: "{stack}/v1"')
+    (tmp_path / "index.html").write_text(f"<!doctype html>{NO_ICON}{html}")
+    page.add_init_script(CAMERA + BLIND_DETECTOR)
+    with serving(tmp_path) as elsewhere:
+        page.goto(elsewhere)
+        page.wait_for_url(f"{stack}/calibrate/?**", wait_until="commit")
+    asked = parse_qs(urlsplit(page.url).query)
+    assert asked["camera"] == ["HD Pro Webcam C920 (046d:082d)"]
+    assert asked["img_size"] == ["1280x720"]
+
+
+def example(source: str, language: str) -> str:
+    """First block of a document in a language."""
+    return next(block.code for block in blocks(source) if block.language == language)
+
+
+def test_a_worker_looks_cameras_up(page: Page) -> None:
+    page.route("**/worker.js", lambda route: route.fulfill(body=WORKER, content_type="text/javascript"))
+    page.goto(PLAIN)
+    key = {"camera": "Nobody's camera", "platform": "X11; Linux x86_64", "img_size": [640, 360], "zoom": 0}
+    assert page.evaluate(IN_WORKER, key) == "unknown_camera"
 
 
 def script(source: str) -> str:
@@ -129,7 +194,7 @@ def test_pinned_sdk_runs_unchanged_or_not_at_all(
     (pinned,) = [code for code in plain if "importmap" in code]
     said = 'from "calibdb"; globalThis.found = typeof lookup;'
     page_text = pinned.replace(SITE, stack).replace('from "calibdb";', said)
-    (tmp_path / "index.html").write_text(f'<!doctype html><link rel="icon" href="data:,">{page_text}')
+    (tmp_path / "index.html").write_text(f"<!doctype html>{NO_ICON}{page_text}")
     page = context.new_page()
     if tampered:
         changed = (ROOT / "web/sdk/retry.js").read_text() + "// changed"

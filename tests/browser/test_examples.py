@@ -2,15 +2,19 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import cv2
+import httpx
 import numpy as np
 import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.helpers.browser.captures import capture
 from tests.helpers.browser.pictures import picture, shot
+from tests.helpers.browser.specimens import answer
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
@@ -154,6 +158,23 @@ def test_depth_of_a_rectified_pair_is_the_boards(page: Page) -> None:
     picture(page, "example-stereo", ["hand"], full=True)
     page.locator("#rectified").click()
     expect(depth).to_contain_text("as the cameras deliver them")
+
+
+def test_the_page_for_ar_js_gives_the_cameras_own_file(page: Page, api: httpx.Client) -> None:
+    key = {"camera": "AR.js Test Camera (1234:0007)", "platform": "X11; Linux x86_64", "img_size": SMALL.size}
+    measured = capture(api, SMALL, key, seed=11)["calibration_id"]
+    stored = api.get(f"/calibrations/{measured}").json()
+    answer(page, "**/v1/lookup", lambda: stored | {"calibrations": 5, "reliable": True, "exact_size": True})
+    page.add_init_script(SMALL_WEBCAM)
+    page.goto("/examples/arjs/")
+    page.locator("#start").click()
+    page.locator("#ready").wait_for()
+    with page.expect_download() as download:
+        page.locator("#file").click()
+    assert download.value.suggested_filename == "camera_para.dat"
+    assert Path(download.value.path()).stat().st_size == 176
+    assert page.locator("#error").text_content()
+    picture(page, "example-arjs", ["hand"], full=True, check=THOROUGH)
 
 
 def test_gallery_of_examples_without_a_camera(page: Page) -> None:

@@ -1,11 +1,8 @@
 """Files that are late or missing."""
 
-import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
-from infra.web_build.site import LANGUAGES, made_files
-from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
-from tests.helpers.browser.site_pages import UNHEARD
+from tests.helpers.browser.scenes import CAMERA
 from tests.helpers.browser.waiting import until
 
 
@@ -46,21 +43,6 @@ def test_clicks_before_the_scripts_count(page: Page) -> None:
         click_while_held(page, address, module, button)
         page.locator(there).first.wait_for(state="attached")
         assert page.url.endswith(address)
-
-
-@pytest.mark.thorough
-def test_every_button_is_heard_after_the_scripts(page: Page) -> None:
-    others = tuple(f"{folder}/" for folder in (*LANGUAGES, "docs/reference"))
-    pages = {key: text for key, text in made_files().items() if key.endswith(".html")}
-    keys = [key for key, text in pages.items() if b"<button" in text and not key.startswith(others)]
-    page.add_init_script(UNHEARD + BLIND_DETECTOR)
-    found = {}
-    for key in [*keys, "docs/reference/lookup/index.html"]:
-        page.goto(f"/{key.removesuffix('index.html')}", wait_until="domcontentloaded")
-        found[key] = page.evaluate("[window.seen, window.unheard]")
-    assert {key: unheard for key, (_, unheard) in found.items() if unheard} == {}
-    assert len(found) >= 14
-    assert sum(seen for seen, _ in found.values()) >= len(found)
 
 
 def test_a_file_chosen_before_the_scripts_is_read(page: Page) -> None:

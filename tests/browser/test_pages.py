@@ -1,6 +1,9 @@
 """A capture in all its states."""
 
+import json
+from collections.abc import Iterable
 from typing import Any
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -17,7 +20,6 @@ from tests.helpers.browser.interruptions import (
 )
 from tests.helpers.browser.pictures import picture, violations
 from tests.helpers.browser.scripts import page_function
-from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.waiting import address, until
 
 from ..conftest import THOROUGH
@@ -33,6 +35,35 @@ READ_AS_A_PAGE = """() => {
 
 TRACK = "document.getElementById('video').srcObject.getTracks()[0].readyState"
 FRAMES = page_function("count_frames")
+
+
+KEYPOINTS = {"index", "ids", "points"}
+SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "target_error"}
+
+
+def assert_only_keypoints(sent: Iterable[Request]) -> None:
+    """Assert that a page sends only GETs, start and end of a session, and corner positions."""
+    views = 0
+    for request in sent:
+        if request.method == "GET":
+            assert not request.post_data_buffer
+            continue
+        assert request.method == "POST", request.method
+        path = urlsplit(request.url).path
+        body = json.loads(request.post_data or "null")
+        if path in ("/v1/auth", "/v1/session/finish"):
+            assert body is None
+        elif path == "/v1/session":
+            assert set(body) <= SESSION
+            assert all(isinstance(value, (str, int, float)) for value in body["track"].values())
+        else:
+            assert path == "/v1/session/views"
+            assert set(body) == KEYPOINTS
+            assert len(body["ids"]) == len(body["points"]) <= 40
+            assert all(len(point) == 2 for point in body["points"])
+            assert len(request.post_data or "") < 4096
+            views += 1
+    assert views >= 4
 
 
 def published_corners(page: Page, api: httpx.Client) -> list[Any]:

@@ -5,14 +5,12 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import Page, Request
+from playwright.sync_api import Page
 
 from calibsolver import Camera
-from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.firefox import InFirefox
-from tests.helpers.browser.frame_rate import WATCH
+from tests.helpers.browser.frame_rate import COUNT_FRAMES
 from tests.helpers.browser.interruptions import views
-from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.truth import SMALL, Truth
 from tests.helpers.browser.waiting import address
 from tests.helpers.marks import thorough
@@ -40,47 +38,17 @@ def assert_true(
     assert errors.mean() < 0.4 * truth.size[0] / 1280
 
 
-LOOKUP = """async (key) =>
-  (await import("/sdk/calibdb.js")).lookup(key, { token: "cdb_dev_local" })"""
-
-
-def expect_known_after_five(page: Page, api: httpx.Client, first: dict[str, Any], truth: Truth) -> None:
-    key = {name: first[name] for name in ("camera", "platform", "img_size", "zoom")}
-    for seed in range(4):
-        capture(api, truth, key, seed)
-    known = agreed(api, key)
-    assert known["reliable"] is True
-    assert (known["calibrations"], known["exact_size"]) == (5, True)
-    assert abs(known["camera_matrix"][0][0] / truth.fx - 1) < 0.005
-    found = page.evaluate(LOOKUP, key)
-    assert (found["calibration"], found["guidanceUrl"]) == (known, None)
-
-
 @pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
-def test_chromium_hands_free_with_keypoints_only(page: Page, api: httpx.Client, truth: Truth) -> None:
-    sent: list[Request] = []
-    page.on("request", lambda request: sent.append(request))
-    page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
-    page.add_init_script(WATCH)
+def test_hands_free_in_chromium(page: Page, api: httpx.Client, truth: Truth) -> None:
+    page.add_init_script(COUNT_FRAMES)
     page.goto(f"/calibrate/?{truth.query(hand='person', rate=RATE, k3=1e-6)}")
     page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
-    seconds, frames = page.evaluate("[performance.now() / 1000, window.pace.frames]")
+    seconds, frames = page.evaluate("[performance.now() / 1000, window.looks]")
     assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
     stored = api.get(f"/calibrations/{address(page).split('id=')[1]}").json()
     assert_true(stored, views(page), seconds, frames, "Chromium", truth)
-    assert_only_keypoints(sent)
-    if THOROUGH:
-        expect_known_after_five(page, api, stored, truth)
 
 
-LOOKS = """
-  window.looks = 0;
-  const post = Worker.prototype.postMessage;
-  Worker.prototype.postMessage = function (message, ...more) {
-    if (message.frame) window.looks += 1;
-    return post.call(this, message, ...more);
-  };
-"""
 ENDED = """async () => {
   const [done, failed] = ["done", "failed"].map((id) => document.getElementById(id));
   while (done.hidden && failed.hidden) await new Promise((next) => setTimeout(next, 50));
@@ -92,6 +60,6 @@ ENDED = """async () => {
 
 def test_hands_free_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     there = f"{stack}/calibrate/?{SMALL.query(seed=5, hand=HAND, rate=RATE)}"
-    outcome = in_firefox(there, ENDED, LOOKS, size=(480, 480))
+    outcome = in_firefox(there, ENDED, COUNT_FRAMES, size=(480, 480))
     assert outcome["failure"] == ""
     assert_true(json.loads(outcome["json"]), outcome["count"], *outcome["taken"], "Firefox")

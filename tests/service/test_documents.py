@@ -38,10 +38,10 @@ ELSEWHERE = {
     ("docs/quickstart.md", "html"): "tests/browser/test_documentation.py",
     ("docs/quickstart.md", "js"): "tests/browser/test_documentation.py",
     ("docs/two-cameras.md", "js"): "tests/browser/test_documentation.py",
-    ("web/sdk/README.md", "html"): "tests/browser/test_sdk.py",
+    ("web/sdk/README.md", "html"): "tests/browser/test_documentation.py",
     ("web/sdk/README.md", "js"): "tests/browser/test_documentation.py",
-    ("web/sdk/README.md", "sh"): "tests/browser/test_sdk.py",
-    ("README.md", "html"): "tests/browser/test_other_origin.py",
+    ("web/sdk/README.md", "sh"): "tests/browser/test_documentation.py",
+    ("README.md", "html"): "tests/browser/test_documentation.py",
     ("layers/solver/README.md", "python"): "tests/service/test_wheels.py",
 }
 SHELL = ("docs/api.md", "docs/quickstart.md", "docs/limits.md", "README.md")

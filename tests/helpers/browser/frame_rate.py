@@ -7,26 +7,29 @@ from playwright.sync_api import Page
 
 from .scripts import page_function
 
-WATCH = """
-  window.pace = { frames: 0, tasks: [] };
-  new PerformanceObserver((list) => {
-    for (const { startTime, duration } of list.getEntries()) window.pace.tasks.push([startTime, duration]);
-  }).observe({ type: "longtask" });
+COUNT_FRAMES = """
+  window.looks = 0;
   window.Worker = class extends Worker {
     postMessage(message, transfer) {
-      if (message.frame) window.pace.frames += 1;
+      if (message.frame) window.looks += 1;
       super.postMessage(message, transfer);
     }
   };
 """
+WATCH_TASKS = """
+  window.tasks = [];
+  new PerformanceObserver((list) => {
+    for (const { startTime, duration } of list.getEntries()) window.tasks.push([startTime, duration]);
+  }).observe({ type: "longtask" });
+"""
 MEASURE = """async (ms) => {
-  window.pace.frames = 0;
+  window.looks = 0;
   const start = performance.now();
   await new Promise((done) => setTimeout(done, ms));
-  const [end, { frames, tasks }] = [performance.now(), window.pace];
+  const [end, { looks, tasks }] = [performance.now(), window];
   await new Promise((done) => setTimeout(done, 100)); // tasks are told of a little later
   const own = tasks.filter(([begun]) => begun > start && begun < end).map(([, duration]) => duration);
-  return { rate: (1000 * frames) / (end - start), longest: Math.max(0, ...own) };
+  return { rate: (1000 * looks) / (end - start), longest: Math.max(0, ...own) };
 }"""
 RECTIFIED_AT_RATE = page_function("rectify_at_rate")
 
@@ -41,7 +44,7 @@ class Pace:
 
 def start(page: Page) -> None:
     """Start a capture that does not converge."""
-    page.add_init_script(WATCH)
+    page.add_init_script(COUNT_FRAMES + WATCH_TASKS)
     page.goto("/calibrate/?target_error=0.001")
     page.locator("#camera option").nth(1).wait_for(state="attached")
     page.locator("#start").click()

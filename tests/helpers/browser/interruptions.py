@@ -40,13 +40,6 @@ PATIENT = """
     window.setTimeout = (call, ms, ...more) => wait(call, [2_000, 5_000].includes(ms) ? 60_000 : ms, ...more);
   }
 """
-# A page whose requests time out only after two minutes.
-ENDURING = """
-  {
-    const limit = AbortSignal.timeout.bind(AbortSignal);
-    AbortSignal.timeout = (ms) => limit(12 * ms);
-  }
-"""
 # As soon as it has a view: the service may end the capture with the next ones.
 UNPLUG_WITH_A_VIEW = f"""() => new Promise((done) => {{
   const button = document.getElementById("undo");
@@ -71,39 +64,6 @@ HIDE_WITH_TARGET = f"""() => new Promise((done) => {{
   observer.observe(stage, {{ subtree: true, attributes: true }});
   look();
 }})"""
-
-# The views on this device.
-STORED_VIEWS = """() => new Promise((done) => {
-  const opening = indexedDB.open("calibdb", 1);
-  opening.onsuccess = () => {
-    const asking = opening.result.transaction("captures").objectStore("captures").getAll();
-    asking.onsuccess = () => done(asking.result.flatMap(({ views }) => views));
-  };
-})"""
-# Requests say when they were made. `seen`: instruction, a full ring, notice. `stood`: whether that notice was
-# there three seconds after a request: timers keep their order, however busy a page is.
-WRITTEN = """
-  Object.assign(window, { seen: [], stood: [] });
-  const send = window.fetch;
-  window.fetch = (address, request) => {
-    const headers = new Headers(request?.headers);
-    const asked = performance.now();
-    headers.set("x-asked", asked);
-    setTimeout(() => window.stood.push([asked, !document.getElementById("away").hidden]), 3_000);
-    return send(address, { ...request, headers });
-  };
-  document.addEventListener("DOMContentLoaded", () => {
-    const [instruction, ring, held, away] =
-      ["instruction", "ring", "held", "away"].map((id) => document.getElementById(id));
-    const isFull = () => ring.classList.contains("taken")
-      || held.getAttribute("stroke-dasharray") === "100 100";
-    new MutationObserver(() => window.seen.push([
-      performance.now(), instruction.textContent, !ring.hasAttribute("hidden") && isFull(),
-      away.hidden ? "" : away.textContent,
-    ])).observe(document.getElementById("stage").parentElement,
-      { subtree: true, childList: true, characterData: true, attributes: true });
-  });
-"""
 
 
 def _posted(page: Page, path: str, add: Callable[[Request], None]) -> None:

@@ -29,6 +29,7 @@ PAGES = {
     "ar": "ar/",
     "examples": "examples/",
     "example": "examples/three/",
+    "ar.js": "examples/arjs/",
     "developers": "developers/",
     "data": "data/",
     "privacy": "privacy/",
@@ -91,7 +92,7 @@ WATCH_SHIFTS = """
   window.shifting.observe({ type: "layout-shift", buffered: true });
 """
 # Visible, enabled buttons without a listener after the modules have run. A form with an address needs none.
-UNHEARD = """
+_UNHEARD = """
   const [heard, add] = [new Set(), HTMLElement.prototype.addEventListener];
   HTMLElement.prototype.addEventListener = function (type, ...rest) {
     if (["click", "submit", "reset"].includes(type)) heard.add(this);
@@ -101,7 +102,7 @@ UNHEARD = """
     const buttons = [...document.querySelectorAll("button:enabled")].filter((each) => each.checkVisibility());
     const idle = buttons.filter((each) => !each.form?.hasAttribute("action"));
     const unheard = idle.filter((each) => !heard.has(each) && !heard.has(each.form));
-    [window.seen, window.unheard] = [buttons.length, unheard.map((each) => each.outerHTML)];
+    window.unheard = unheard.map((each) => each.outerHTML);
   });
 """
 _AMISS = page_function("page_faults")
@@ -111,7 +112,7 @@ def prepare(page: Page) -> CDPSession:
     """Answer a page's requests by specimens, and watch what moves; return a session for `visit`."""
     answers = {part: answer() for part, answer in _ANSWERS.items()}
     page.add_init_script(f"const answers = {json.dumps(answers)};{_LATE_ANSWERS}{BLIND_DETECTOR}")
-    page.add_init_script(WATCH_SHIFTS + UNHEARD)
+    page.add_init_script(WATCH_SHIFTS + _UNHEARD)
     return page.context.new_cdp_session(page)
 
 
