@@ -1,16 +1,21 @@
 """All pages, sizes and languages: stable layout, nothing cut, accessible."""
 
+import re
 from typing import Literal
 
 import pytest
+from playwright.sync_api import Route
 
 from tests.helpers.browser.pictures import FINGER, INLINE, SMALL, violations
+from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.site_pages import (
     FILLED_IN,
     MAX_SHIFT,
     ONLY_HERE,
     SIZES,
     VISITED,
+    WATCH_SHIFTS,
     faults,
     prepare,
     shifts,
@@ -72,3 +77,31 @@ def test_pages_stand_still_fit_and_are_accessible(visitor: Visitor, language: st
             amiss += violations(page, "color-contrast") if THOROUGH or name in OTHER_THEME else []
             found += [f"{name} at {opened}: {each}" for each in amiss]
     assert not found, "\n".join(found)
+
+
+FIRST_VISITS = ("/", "/calibrate/", "/ar/", "/rig/", "/cameras/", "/photos/")
+WIDTHS = page_function("heading_widths")
+
+
+@pytest.mark.parametrize("size", [(390, 844), *thorough(((1440, 900),))], ids=["phone", "laptop"])
+def test_first_visits_show_the_typeface_without_a_shift(visitor: Visitor, size: tuple[int, int]) -> None:
+    held: list[Route] = []
+    for path in FIRST_VISITS if THOROUGH else FIRST_VISITS[:1]:
+        page = visitor(viewport={"width": size[0], "height": size[1]}, locale="en").new_page()
+        page.add_init_script(WATCH_SHIFTS + BLIND_DETECTOR)
+        held.clear()
+        page.route(re.compile("geologica-latin"), lambda route: held.append(route))
+        page.goto(path, wait_until="domcontentloaded")
+        page.locator("h1:visible").first.wait_for()
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        assert held, path
+        for route in held:
+            route.continue_()
+        page.unroute_all(behavior="wait")
+        page.evaluate("document.fonts.load('600 20px Geologica').then(() => null)")
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        moved = shifts(page)
+        shown, expected, other = page.evaluate(WIDTHS)
+        assert shown == pytest.approx(expected, abs=0.05), path
+        assert abs(other - expected) > 1, path
+        assert sum(value for value, _ in moved) < MAX_SHIFT, (path, moved)

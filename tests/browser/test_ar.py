@@ -1,4 +1,4 @@
-"""Overlays of the AR page, measured in its pictures."""
+"""The AR page: its camera, and its overlays, measured in pictures."""
 
 import re
 from typing import Any
@@ -13,11 +13,14 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.interruptions import UNPLUG
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
+from tests.helpers.browser.scenes import BLIND_DETECTOR, LISTED_LATE, PLUG, PLUGGED, webcam
 from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.specimens import answer, known
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
+from tests.helpers.marks import thorough
 
 from .test_rectifier import decoded
 
@@ -35,14 +38,11 @@ SILENCED = """
   };
 """
 LABEL = "Overlay Test Camera (1234:0a12)"
-#: a webcam that looks into the dark
-WEBCAM = f"""{CAMERA.replace("HD Pro Webcam C920 (046d:082d)", LABEL)}
-  navigator.mediaDevices.enumerateDevices = async () => [
-    {{ kind: "videoinput", deviceId: "c920", label: "{LABEL}" }},
-  ];
+WEBCAM = webcam(LABEL)
+NO_PICTURE = """
+  navigator.mediaDevices.getUserMedia = async () =>
+    Object.assign(document.createElement("canvas"), { width: 1280, height: 720 }).captureStream(0);
 """
-#: for what does not depend on the number of pixels
-SMALL_WEBCAM = WEBCAM.replace("1280", "640").replace("720", "360")
 ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0&rate=5&hand=quick"
 ESTIMATED = re.compile(r"up to ([\d.]+)\spx\. Estimated \d+° \((\d+)° to (\d+)°\), calibrated (\d+)°")
 READ = page_function("ar")
@@ -228,3 +228,48 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     assert set(request.post_data_json) <= {
         "camera", "platform", "img_size", "zoom", "distortion_model", "redirect", "miss",
     }  # fmt: skip
+
+
+def test_requested_camera_is_opened_from_a_late_list_and_reopened(page: Page) -> None:
+    answer(page, "**/v1/lookup", known)
+    page.add_init_script(PLUGGED + LISTED_LATE + BLIND_DETECTOR)
+    page.goto("/ar/?camera=HD+Pro+Webcam+C920+(046d:082d)&lang=en")
+    page.locator("#start").click()
+    page.evaluate("window.answer()")
+    page.locator("#instruction:not(:empty)").wait_for()
+    assert page.evaluate("window.asked.deviceId") == {"exact": "0"}
+    expect(page.locator("#facts")).to_contain_text("from calibDB")
+    expect(page.locator("#move")).to_be_hidden()
+    page.evaluate(PLUG, False)
+    page.evaluate(UNPLUG)
+    page.locator("#failure", has_text="this page continues automatically").wait_for()
+    page.evaluate("window.asked = null")
+    page.evaluate(PLUG, True)
+    page.locator("#instruction:not(:empty)").wait_for()
+    assert page.evaluate("window.asked.deviceId") == {"exact": "0"}
+
+
+@pytest.mark.parametrize(
+    ("address", "where"),
+    [("/examples/three/", "#problem"), *thorough(("/ar/", "#failure"), ("/calibrate/", "#failure"))],
+)
+def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, where: str) -> None:
+    page.clock.install()
+    page.add_init_script(WEBCAM + NO_PICTURE + BLIND_DETECTOR)
+    page.goto(address)
+    page.locator("#start").click()
+
+    def said() -> bool:
+        page.clock.run_for(5_000)
+        return "The camera is open but sends no picture." in (page.locator(where).text_content() or "")
+
+    until(page, said)
+
+
+def test_a_link_to_a_result_that_is_gone_asks_calibdb(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.add_init_script(WEBCAM + BLIND_DETECTOR)
+    page.route("**/v1/calibrations/**", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"}))
+    answer(page, "**/v1/lookup", known)
+    page.goto("/ar/#calibration=gone")
+    page.locator("#facts", has_text="from calibDB").wait_for()

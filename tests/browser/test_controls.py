@@ -9,7 +9,6 @@ from playwright.sync_api import BrowserContext, Page, expect
 from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
-    PATIENT,
     PRACTICE,
     UNPLUG,
     views,
@@ -17,12 +16,19 @@ from tests.helpers.browser.interruptions import (
 )
 from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scenes import BLIND_DETECTOR, LISTED_LATE, PLUG, PLUGGED
-from tests.helpers.browser.viewfinder import expect_all_in_reach
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
+# A page that waits longer for answers.
+PATIENT = """
+  {
+    const wait = window.setTimeout;
+    window.setTimeout = (call, ms, ...more) => wait(call, [2_000, 5_000].includes(ms) ? 60_000 : ms, ...more);
+  }
+"""
 # What speaks by itself to who listens to the page.
 LIVE = """() => [
   ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
@@ -37,6 +43,59 @@ SENSES = """
 """
 HEADER = "document.querySelector('header.rim').getBoundingClientRect().height"
 HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"
+AMISS = page_function("viewfinder_faults")
+LONGER = """(words) => {
+  const height = () => document.getElementById("stage").clientHeight;
+  const before = height();
+  words.forEach((text, at) => {
+    document.getElementById(["count", "count-more"][at]).textContent = text;
+  });
+  return height() - before;
+}"""
+# As they are held, turned, and zoomed in to 200 %.
+LENGTHS = [["", ""], ["Ansicht 3 von etwa 5", " · genau genug; noch 2 zur Bestätigung"]]
+# In a capture of twelve views.
+LONG_FILM = """() => {
+  const film = document.getElementById("film");
+  while (film.children.length < 12) film.append(film.lastElementChild.cloneNode(true));
+  document.getElementById("finish").hidden = false;
+}"""
+# From the picture's lower edge to what is to be done, px.
+DOCKED = """() => {
+  const [stage, video] = ["stage", "video"].map((id) => document.getElementById(id));
+  const { bottom, height, width } = stage.getBoundingClientRect();
+  const picture = (width * video.videoHeight) / video.videoWidth;
+  const edge = bottom - (height - picture) / 2;
+  return document.getElementById("instruction").getBoundingClientRect().top - edge;
+}"""
+WINDOWS = [(320, 480), (390, 844), (480, 320), (844, 390), (820, 1180), (1440, 900)]
+if THOROUGH:
+    WINDOWS += [
+        (320, 640),
+        (568, 320),
+        (640, 360),
+        (667, 375),
+        (720, 450),
+        (1024, 768),
+        (1180, 820),
+        (1280, 720),
+    ]
+
+
+def expect_all_in_reach(page: Page, language: str) -> None:
+    """Assert that all controls are in the window and the picture stands still."""
+    page.locator("#language").select_option(language)
+    for width, height in WINDOWS:
+        page.set_viewport_size({"width": width, "height": height})
+        page.evaluate(LONG_FILM)
+        amiss = page.evaluate(AMISS)
+        assert amiss == [], f"{language} at {width} x {height}: {amiss}"
+        if (width, height) == (390, 844):
+            assert 0 <= page.evaluate(DOCKED) < 16, "where one looks, not at the far edge of the window"
+        if width >= 390 and language == "de":
+            for words in LENGTHS:
+                moved = page.evaluate(LONGER, words)
+                assert moved == 0, f"{words!r} moves the picture by {moved} px at {width} x {height}"
 
 
 @pytest.mark.parametrize("seconds", [2, *thorough(60)])
@@ -129,7 +188,7 @@ def test_requested_camera_is_opened_and_refusals_are_explained(
     page.evaluate("window.answer()")
     hear(page, "notice", "The camera delivers 1280 × 720, so this page calibrates that size.")
     asked = page.evaluate("window.asked")
-    assert asked["deviceId"] == {"exact": "c920"}
+    assert asked["deviceId"] == {"exact": "0"}
     assert (asked["width"], asked["height"]) == ({"ideal": 1920}, {"ideal": 1080})
     assert asked["resizeMode"] == "none"
     page.evaluate(PLUG, False)

@@ -13,12 +13,11 @@ from playwright.sync_api import BrowserContext, Page, expect
 from tests.helpers.browser.captures import calibrated
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import WIDE, picture
-from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
+from tests.helpers.browser.scenes import BLIND_DETECTOR, LABEL, webcam
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import passing, until
 
 MAX_ACTIONS = 8
-LABEL = "HD Pro Webcam C920 (046d:082d)"
 KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
@@ -45,7 +44,7 @@ def developer(context: BrowserContext, stack: str) -> Page:
     """Page of a browser with an empty profile and a camera."""
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
     page = context.new_page()
-    page.add_init_script(CAMERA + BLIND_DETECTOR)
+    page.add_init_script(webcam() + BLIND_DETECTOR)
     return page
 
 
@@ -88,7 +87,7 @@ def test_from_landing_page_to_lookup_elsewhere(
         page.evaluate("sessionStorage.clear()")
         page.goto(f"{address}not-there")
         assert page.evaluate(ask, [stack, made["token"]]) == [403, None]
-        page.add_init_script(CAMERA.replace(LABEL, "New One"))
+        page.add_init_script(webcam("New One"))
         page.goto(f"{own}/?again")
         expect(page.locator("#answer")).to_have_text("calibDB does not know New One yet.")
         page.locator("#calibrate").click()

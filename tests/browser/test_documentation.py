@@ -19,12 +19,12 @@ from infra.web_build.openapi import EXAMPLES_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.firefox import InFirefox
-from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
+from tests.helpers.browser.scenes import BLIND_DETECTOR, webcam
 from tests.helpers.browser.scripts import PLAIN, page_function
+from tests.helpers.browser.specimens import rig_result
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
-from tests.helpers.rig_vectors import RIGS_PATH
 
 from .conftest import ROOT, TOKEN
 
@@ -44,13 +44,9 @@ IN_WORKER = """(key) => new Promise((resolve, reject) => {
   worker.onerror = (event) => reject(event.message);
   worker.postMessage(key);
 })"""
-#: two cameras of 640 x 480 px
-CAMERAS = f"""
-  {CAMERA.replace("HD Pro Webcam C920 (046d:082d)", "C 1").replace("1280", "640").replace("720", "480")}
-  const devices = [1, 2].map((each) =>
-    ({{ kind: "videoinput", deviceId: `${{each}}`, label: `C ${{each}}` }}));
-  navigator.mediaDevices.enumerateDevices = async () => devices;
-"""
+#: that no other test calibrates
+README_CAMERA = "Camera of a README (1234:000b)"
+CAMERAS = webcam("C 1", "C 2", size=(640, 480))
 
 
 @pytest.fixture(scope="module")
@@ -120,12 +116,12 @@ def test_examples_of_readmes_lead_to_the_calibration(
         html = html.replace(f"{stack}/sdk/", "./node_modules/calibdb/")
         html = html.replace('"cdb_dev_local"', f'"cdb_dev_local", api: "{stack}/v1"')
     (tmp_path / "index.html").write_text(f"<!doctype html>{NO_ICON}{html}")
-    page.add_init_script(CAMERA + BLIND_DETECTOR)
+    page.add_init_script(webcam(README_CAMERA) + BLIND_DETECTOR)
     with serving(tmp_path) as elsewhere:
         page.goto(elsewhere)
         page.wait_for_url(f"{stack}/calibrate/?**", wait_until="commit")
     asked = parse_qs(urlsplit(page.url).query)
-    assert asked["camera"] == ["HD Pro Webcam C920 (046d:082d)"]
+    assert asked["camera"] == [README_CAMERA]
     assert asked["img_size"] == ["1280x720"]
 
 
@@ -165,19 +161,6 @@ def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> No
         page.goto(f"/sample-{index}")
         page.wait_for_function("globalThis.done")
     assert errors == []
-
-
-def rig_result() -> dict[str, Any]:
-    pair = json.loads(RIGS_PATH.read_text())[0]
-    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
-    return {
-        "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",
-        "calibrations": [pair["left"] | {"camera": "C 1"}, pair["right"] | {"camera": "C 2"}],
-        "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
-        "unit": "metres",
-        "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
-        "verdict": {"level": "good", "reasons": []},
-    }
 
 
 def send(html: str, route: Route) -> None:

@@ -14,12 +14,13 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.pictures import picture, shot
+from tests.helpers.browser.scenes import webcam
 from tests.helpers.browser.specimens import answer
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
 from ..conftest import THOROUGH
-from .test_ar import DICTIONARY, SMALL_WEBCAM
+from .test_ar import DICTIONARY, LABEL
 
 Array = npt.NDArray[np.float64]
 TRUTH = replace(SMALL, k1=-0.2)
@@ -42,6 +43,7 @@ RESIZED = """async (ratio) => {
   document.querySelector("#stage").style.aspectRatio = ratio;
   for (let frame = 0; frame < 5; frame++) await new Promise(requestAnimationFrame);
 }"""
+SMALL_WEBCAM = webcam(LABEL, size=SMALL.size)
 #: keeps what the page was given in sight
 GIVEN = f"""{SMALL_WEBCAM}
   window.given = [];

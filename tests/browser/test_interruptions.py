@@ -1,30 +1,51 @@
-"""Interruptions of a capture: no captured view is lost."""
+"""Interruptions of a capture, other tabs: no captured view is lost."""
 
 import re
+import time
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
-    FULL,
     HIDE,
-    KILL,
-    TURN,
-    UNPLUG_WITH_A_VIEW,
+    UNPLUG,
     VIRTUAL,
-    WORKERS,
-    sent_views,
+    posts,
     sessions,
     stop,
     views,
     wait_for_views,
 )
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scripts import FOLDER, page_function
+from tests.helpers.browser.scripts import FOLDER, PLAIN, page_function
 from tests.helpers.browser.waiting import address, hear, heard, listen, requests_within, until
 
 from ..conftest import THOROUGH
+
+TURN = """() => {
+  const canvas = document.querySelector(".virtual-camera");
+  [canvas.width, canvas.height] = [canvas.height, canvas.width];
+}"""
+WORKERS = """
+  window.workers = [];
+  window.Worker = class extends Worker {
+    constructor(url, options) { super(url, options); window.workers.push([String(url), this]); }
+  };
+"""
+KILL = (
+    "window.workers.filter(([url]) => url.includes('detector')).forEach(([, worker]) => worker.terminate())"
+)
+FULL = """
+  IDBObjectStore.prototype.put = () => { throw new DOMException("no room", "QuotaExceededError"); };
+"""
+# As soon as it has a view: the service may end the capture with the next ones.
+UNPLUG_WITH_A_VIEW = f"""() => new Promise((done) => {{
+  const button = document.getElementById("undo");
+  const isReady = () => !button.disabled && button.checkVisibility();
+  const look = () => isReady() ? done({UNPLUG}) : requestAnimationFrame(look);
+  look();
+}})"""
 
 
 @pytest.mark.thorough
@@ -199,7 +220,7 @@ def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
 def test_a_silent_service_is_away_after_two_seconds(context: BrowserContext) -> None:
     page = context.new_page()
     page.add_init_script((FOLDER / "watch_outage.js").read_text())
-    sent = sent_views(page)
+    sent = posts(page, "/session/views")
     held: list[Route] = []
     back: list[bool] = []
     page.goto(ENDLESS)
@@ -241,5 +262,68 @@ def test_a_silent_service_is_away_after_two_seconds(context: BrowserContext) -> 
     page.unroute("**/v1/session**")
     page.locator("#away").wait_for(state="hidden")
     wait_for_views(page, there + 1)
-    assert [view["points"] in sent for view in kept] == [True] * len(kept)
-    assert [sent.count(view) for view in sent] == [1] * len(sent), "a late answer is one"
+    points = [view.post_data_json["points"] for view in sent]
+    assert [view["points"] in points for view in kept] == [True] * len(kept)
+    assert [points.count(each) for each in points] == [1] * len(points), "a late answer is one"
+
+
+BUSY_S = 2.0
+# Of a tab that is busy while a request is answered, or not at all.
+ACQUIRE = """async (isBusy) => {
+  const held = window.held = new AbortController();
+  const { acquireLock } = await import("/lib/capture/capture-store.js");
+  const isAcquired = acquireLock("a capture", held.signal);
+  const request = new XMLHttpRequest();
+  request.open("GET", "/slow", false);
+  if (isBusy) request.send();
+  return isAcquired;
+}"""
+
+WITHDRAW = f"""async () => {{
+  const late = ({ACQUIRE})(false);
+  while (!(await navigator.locks.query()).pending.length) await new Promise((done) => setTimeout(done));
+  window.held.abort();
+  return [late];
+}}"""
+
+
+def answer_late(route: Route) -> None:
+    time.sleep(BUSY_S)
+    route.fulfill(body="")
+
+
+def test_a_capture_belongs_to_one_tab(
+    context: BrowserContext,
+) -> None:
+    first, second = context.new_page(), context.new_page()
+    for page in (first, second):
+        page.goto(PLAIN)
+    first.route("**/slow", answer_late)
+    assert first.evaluate(ACQUIRE, True) is True
+    assert second.evaluate(ACQUIRE, False) is False
+    # Who is gone before it is his turn does not keep the others out.
+    late = second.evaluate_handle(WITHDRAW)
+    first.evaluate("window.held.abort()")
+    late.evaluate("async ([isAcquired]) => await isAcquired")
+    assert first.evaluate(ACQUIRE, False) is True
+
+
+@pytest.mark.thorough
+def test_a_second_tab_leaves_the_first_one_alone(context: BrowserContext) -> None:
+    first, second = context.new_page(), context.new_page()
+    first.bring_to_front()
+    first.goto(ENDLESS)
+    first.locator("#undo:enabled").wait_for()
+    begun = sessions(second)
+    second.goto("/calibrate/")
+    expect(second.locator("#interrupted"), "it is not interrupted, it goes on").to_be_hidden()
+    second.goto(ENDLESS)
+    second.locator("#failure", has_text="being calibrated in another tab").wait_for()
+    assert begun == []
+    first.bring_to_front()
+    wait_for_views(first, views(first) + 1)
+    first.close()
+    second.bring_to_front()
+    second.locator("#again").click()
+    second.locator("#controls:not([hidden])").wait_for()
+    assert views(second) >= 1

@@ -1,16 +1,21 @@
-"""The service worker's files, and the weight of pages."""
+"""The service worker's files, the weight of pages, and the names of a deployment."""
 
 import gzip
 import hashlib
+from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, Response, Route, expect
 
+from infra.deploy.site import uploads
+from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.scripts import PLAIN
-from tests.helpers.browser.waiting import at_rest, until
+from tests.helpers.browser.waiting import at_rest, uncaught, until
 from tests.helpers.marks import thorough
 
+from ..conftest import THOROUGH
 from .conftest import ROOT, Visitor
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.
@@ -115,3 +120,40 @@ def test_pages_are_light(context: BrowserContext, path: str) -> None:
         weight = sum(sizes[name] for name in early)
         assert len(early) <= MAX_REQUESTS, early
         assert weight <= MAX_BYTES
+
+
+UPLOADED = (
+    "/calibrate/",
+    "/de/board/",
+    "/",
+    "/rig/",
+    "/photos/",
+    "/import/",
+    "/developers/",
+    "/examples/",
+    "/ar/",
+)
+OF_FUNCTIONS = ("/v1/", "/dumps/", "/healthz")
+
+
+def test_pages_find_their_files_and_raise_nothing(visitor: Visitor, tmp_path: Path) -> None:
+    for file in uploads(ROOT / "web", {"api": "/v1", "token": "cdb_none"}):
+        path = tmp_path / file.key
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(gzip.decompress(file.content) if file.content_encoding else file.content)
+    with serving(tmp_path) as site:
+        visit_uploaded(visitor(base_url=site).new_page())
+
+
+def visit_uploaded(page: Page) -> None:
+    errors = uncaught(page)
+    responses: list[Response] = []
+    page.on("response", lambda response: responses.append(response))
+    for path in UPLOADED if THOROUGH else UPLOADED[:2]:
+        responses.clear()
+        with at_rest(page):
+            page.goto(path)
+        asked = [(urlsplit(response.url).path, response.status) for response in responses]
+        missing = [there for there, status in asked if status >= 400 and not there.startswith(OF_FUNCTIONS)]
+        assert (missing, errors) == ([], []), path
+        assert [there for there, _ in asked if there.endswith(".js")], path

@@ -1,4 +1,4 @@
-"""Change of language within a task."""
+"""Languages of the pages, and the menu in their header."""
 
 import re
 
@@ -53,9 +53,8 @@ def test_messages_follow_the_language(page: Page) -> None:
     speak(page, "de")
     page.locator("#outcome", has_text="keine Kamera").wait_for()
 
-    page.goto("/photos/?lang=en")
+    page.goto("/photos/")
     state = page.locator("#files-state")
-    speak(page, "de")
     expect(state).to_have_text("Noch nichts gewählt")
     speak(page, "en")
     page.locator("#files").set_input_files([unreadable("IMG_1.HEIC"), unreadable("notes.txt", "text/plain")])
@@ -124,3 +123,34 @@ def test_no_frame_of_english_is_painted_in_another_language(
     assert len(set(shown) & own) > 3
     foreign = {text for text in shown if text in english - own or re.fullmatch(r"[a-z_]+\.[a-z_]+", text)}
     assert foreign == set(), path
+
+
+def test_pages_keep_their_language_without_scripts(visitor: Visitor) -> None:
+    page = visitor(java_script_enabled=False, viewport={"width": 320, "height": 640}).new_page()
+    page.goto("/de/cameras/")
+    expect(page.locator("h1").first).to_have_text("Kameras")
+    page.locator("summary", has_text="Kalibrieren").click()
+    page.locator("nav a", has_text="Fotos").click()
+    page.wait_for_url("**/de/photos/")
+    page.locator("footer a", has_text="Українська").click()
+    page.wait_for_url("**/uk/photos/")
+
+
+def test_the_menu_works_by_keyboard_within_a_small_window(page: Page) -> None:
+    page.set_viewport_size({"width": 320, "height": 640})
+    page.goto("/uk/terms/")
+    page.keyboard.press("Tab")
+    expect(page.locator(".skip")).to_be_focused()
+    page.locator(".menu summary").focus()
+    page.keyboard.press("Enter")
+    links = page.locator(".menu a")
+    expect(links.last).to_be_visible()
+    for box in links.evaluate_all("links => links.map((link) => link.getBoundingClientRect().toJSON())"):
+        assert box["left"] >= 0
+        assert box["right"] <= 320
+    page.keyboard.press("Tab")
+    expect(links.first).to_be_focused()
+    page.keyboard.press("Escape")
+    expect(links.first).to_be_hidden()
+    expect(page.locator(".menu summary")).to_be_focused()
+    assert page.evaluate("document.documentElement.scrollWidth") == 320

@@ -2,14 +2,14 @@
 
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
-from tests.helpers.browser.scenes import CAMERA
+from tests.helpers.browser.scenes import webcam
 from tests.helpers.browser.waiting import until
 
 
 def test_missing_detector_is_explained(context: BrowserContext) -> None:
     page = context.new_page()
     page.route("**/*.wasm", lambda route: route.abort())
-    page.add_init_script(CAMERA)
+    page.add_init_script(webcam())
     page.goto("/calibrate/")
     page.locator("#start").click()
     page.locator(

@@ -12,7 +12,7 @@ from playwright.sync_api import Page, Request, Route, expect
 from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
-    HIDE_WITH_TARGET,
+    SHOWN_TARGET,
     done,
     sessions,
     views,
@@ -31,8 +31,19 @@ READ_AS_A_PAGE = """() => {
   const shift = Math.round(left("#done .practice") - left(".brand"));
   return [shift, sheet.scrollHeight - sheet.clientHeight, page.scrollHeight > innerHeight];
 }"""
-
-
+# Hidden at once when a target is in the picture: a quick hand is soon there.
+HIDE_WITH_TARGET = f"""() => new Promise((done) => {{
+  const stage = document.getElementById("stage");
+  const observer = new MutationObserver(() => look());
+  const look = () => {{
+    if (![...document.querySelectorAll("{SHOWN_TARGET}")].some((each) => each.checkVisibility())) return;
+    observer.disconnect();
+    ({HIDE})(true);
+    done();
+  }};
+  observer.observe(stage, {{ subtree: true, attributes: true }});
+  look();
+}})"""
 TRACK = "document.getElementById('video').srcObject.getTracks()[0].readyState"
 FRAMES = page_function("count_frames")
 

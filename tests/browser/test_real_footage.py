@@ -1,5 +1,6 @@
 """Real footage as the camera of the capture page."""
 
+import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -117,33 +118,24 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
 
 
 @pytest.mark.thorough
-def test_mirrored_footage_is_turned_back_by_one_click(
-    playwright: Playwright, stack: str, tmp_path: Path
-) -> None:
-    frames = stop_and_go.frames_of(data_dir() / "videos" / "caliscope_pre1_mirrored.mp4")
-    source = stop_and_go.write(tmp_path / "camera.y4m", [*frames, *frames[::-1]], 6)
-    with stop_and_go.camera(playwright, stack, source) as page:
-        page.goto("/calibrate/")
-        page.locator("#start").click()
-        page.locator("#reticle:not([hidden])").wait_for()
-        page.locator("#instruction", has_text="The picture is mirrored").wait_for(timeout=1000 * SUGGESTION_S)
-        page.locator("#use-board", has_text="Turn the picture back").click()
-        expect(page.locator("#corners .corner")).not_to_have_count(0)
-        assert "squares=4x5" in page.url
-        assert "flipped=true" in page.url
-
-
-@pytest.mark.thorough
 @pytest.mark.parametrize(
-    ("file", "rate", "first", "words"),
+    ("file", "rate", "first", "words", "query"),
     [
-        ("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco"),
-        ("chessboard_uk.avi", 30, 0, "11 × 8 chessboard"),
+        ("caliscope_pre1_mirrored.mp4", 6, 0, "The picture is mirrored", "squares=4x5.*flipped=true"),
+        ("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco", "squares=4x5"),
+        ("chessboard_uk.avi", 30, 0, "11 × 8 chessboard", "squares=11x8"),
     ],
-    ids=["hidden markers", "partly outside"],
+    ids=["mirrored", "hidden markers", "partly outside"],
 )
-def test_partly_seen_board_is_named_as_a_whole(
-    playwright: Playwright, stack: str, tmp_path: Path, file: str, rate: int, first: int, words: str
+def test_a_board_is_recognised_as_a_whole_and_used(
+    playwright: Playwright,
+    stack: str,
+    tmp_path: Path,
+    file: str,
+    rate: int,
+    first: int,
+    words: str,
+    query: str,
 ) -> None:
     """Footage as it was taken, from its first frame with the board on."""
     frames = stop_and_go.frames_of(data_dir() / "videos" / file)[first:]
@@ -153,6 +145,23 @@ def test_partly_seen_board_is_named_as_a_whole(
         page.locator("#start").click()
         page.locator("#reticle:not([hidden])").wait_for()
         page.locator("#use-board").wait_for()
-        expect(page.locator("#remedy")).to_contain_text(words)
+        expect(page.locator("#instruction, #remedy").filter(has_text=words)).to_have_count(1)
         page.locator("#use-board").click()
         expect(page.locator("#corners .corner")).not_to_have_count(0)
+        assert re.search(query, page.url)
+
+
+@pytest.mark.thorough
+def test_mirrored_video_on_the_photos_page_has_a_result(page: Page) -> None:
+    page.goto("/photos/")
+    page.locator("#files").set_input_files(data_dir() / "videos" / "caliscope_pre1_mirrored.mp4")
+    for words in ("mirrored", "4 × 5 ChArUco, DICT_4X4_50, markers 0.75, white on black"):
+        expect(page.locator("#question-text")).to_contain_text(words)
+    page.locator("#use-board").click()
+    page.locator("#status", has_text="video frames").wait_for()
+    status = re.search(r"(\d+) of (\d+) video frames", page.locator("#status").text_content() or "")
+    assert status is not None
+    assert int(status[2]) <= 120
+    page.locator("#camera").fill("Webcam of a video")
+    page.locator("#start").click()
+    page.locator("#verdict").wait_for()

@@ -1,4 +1,4 @@
-"""Rectifier and distorter of the SDK against OpenCV."""
+"""Rectifier, distorter and rectified pairs of the SDK against OpenCV, and after the loss of the GPU."""
 
 import base64
 import functools
@@ -9,12 +9,16 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import BrowserContext, Page
 
 from calibsolver import Camera
+from calibsolver.rig.rectification import rectify
+from calibsolver.rig.start import RigidMotion
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.photographs import textured_board
-from tests.helpers.browser.scripts import PLAIN, page_function
+from tests.helpers.browser.scripts import FOLDER, PLAIN, page_function
+from tests.helpers.marks import thorough
+from tests.helpers.rig_vectors import RIGS_PATH
 
 Size = tuple[int, int]
 
@@ -29,6 +33,11 @@ FULL, HALF = (1280, 720), (640, 360)
 SIZES = [pytest.param(HALF, id="640"), pytest.param(FULL, id="1280", marks=pytest.mark.thorough)]
 BALANCED = {"balance": 0.3, "zoom": 1.1, "scale": 0.5}
 WARPED = page_function("warp")
+DRAWN = page_function("draw_pair")
+MIXED = ("fisheye", "rational")
+SMALLER = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])  # px of a picture to those of its half
+LOST_GPU = (FOLDER / "lost_gpu.js").read_text()
+WARPS_WITHOUT_GPU = f"async (calibration) => {{ {LOST_GPU} return sumsOfWarps(calibration); }}"
 MADE_AND_GONE = """async ([calibration, count]) => {
   const { Rectifier } = await import("/sdk/rectifier.js");
   const picture = new OffscreenCanvas(1280, 720);
@@ -84,23 +93,32 @@ def decoded(made: dict[str, Any]) -> npt.NDArray[np.uint8]:
     return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
 
 
-def compare(ours: Any, picture: npt.NDArray[np.uint8], q: npt.NDArray[np.float64]) -> float:
-    """Largest difference in grey levels where the map is inside the picture."""
+def compare(ours: Any, picture: npt.NDArray[np.uint8], q: npt.NDArray[np.float64], least: float) -> float:
+    """Largest difference in grey levels inside the picture, which is at least a part of what is drawn."""
     x, y = np.float32(q[:, 0]).reshape(ours.shape[:2]), np.float32(q[:, 1]).reshape(ours.shape[:2])
     theirs = cv2.remap(picture, x, y, cv2.INTER_LINEAR).astype(int)
     h, w = picture.shape
     inside = (x > 1) & (y > 1) & (x < w - 2) & (y < h - 2)
-    assert inside.mean() > 0.6
+    assert inside.mean() > least
     return float(np.abs(ours[..., 0].astype(int) - theirs)[inside].max())
+
+
+def rays_of(picture: npt.NDArray[np.uint8], matrix: Any) -> npt.NDArray[np.float64]:
+    """Directions (n, 3) of the pixels of a pinhole's picture, row by row."""
+    h, w = picture.shape[:2]
+    u, v = np.meshgrid(np.arange(float(w)), np.arange(float(h)))
+    rays: npt.NDArray[np.float64] = (
+        np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1) @ np.linalg.inv(matrix).T
+    )
+    return rays
 
 
 def check_straightened(made: dict[str, Any], model: str, size: Size) -> None:
     ours = decoded(made)
     w, h = size
     assert made["size"] == [w // 2, h // 2] == [ours.shape[1], ours.shape[0]]
-    u, v = np.meshgrid(np.arange(w / 2), np.arange(h / 2))
-    rays = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1) @ np.linalg.inv(made["matrix"]).T
-    assert compare(ours, soft_picture(size)[:h, :w], camera(calibration(model, size)).project(rays)) <= 1
+    q = camera(calibration(model, size)).project(rays_of(ours, made["matrix"]))
+    assert compare(ours, soft_picture(size)[:h, :w], q, 0.6) <= 1
 
 
 def check_distorted(made: dict[str, Any], model: str, size: Size) -> None:
@@ -114,7 +132,7 @@ def check_distorted(made: dict[str, Any], model: str, size: Size) -> None:
     seen = (rays[:, 2:] > 0) & np.isfinite(rays).all(axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         q = np.where(seen, (rays / rays[:, 2:]) @ np.array(made["matrix"]).T, -1e6)[:, :2]
-    assert compare(ours, picture[:height, :width], q) <= 1
+    assert compare(ours, picture[:height, :width], q, 0.6) <= 1
     outside = (q[:, 0] < -1) | (q[:, 1] < -1)
     assert (ours[..., 3].ravel()[outside] == 0).all(), "the video is seen there"
 
@@ -154,3 +172,67 @@ def test_disposed_rectifiers_leave_no_context_behind(page: Page) -> None:
     """A browser drops the oldest of more than 16 contexts, with a warning, which fails the test."""
     page.goto(PLAIN)
     page.evaluate(MADE_AND_GONE, [calibration("rectilinear"), 20])
+
+
+@pytest.mark.parametrize("packing", ["beside", *thorough(None)])
+def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page, packing: str | None) -> None:
+    pairs = json.loads(RIGS_PATH.read_text())
+    (pair,) = [
+        each for each in pairs if tuple(each[side]["distortion_model"] for side in ("left", "right")) == MIXED
+    ]
+    left, right = camera(pair["left"]), camera(pair["right"])
+    found = rectify(
+        left, right, RigidMotion.of_vector(np.array([*pair["pose"]["rvec"], *pair["pose"]["tvec"]]))
+    )
+    k = SMALLER @ found.p1[:, :3]
+    w, h = FULL
+    both = soft_picture(FULL)[:h, : 2 * w]
+    png = base64.b64encode(cv2.imencode(".png", both)[1].tobytes()).decode()
+    page.goto(PLAIN)
+    made = page.evaluate(DRAWN, [pair, png, packing])
+    sides = ((left, found.r1, both[:, :w]), (right, found.r2, both[:, w:]))
+    for shown, (one, r, picture) in zip(made["shown"], sides, strict=True):
+        ours = decoded(shown)
+        q = np.nan_to_num(one.project(rays_of(ours, k) @ r), nan=-1e6)
+        assert compare(ours, np.ascontiguousarray(picture), q, 0.4) <= 1
+    assert np.abs(np.array(made["matrix"]) - k).max() < 1e-6
+    x = found.q @ (700.5, 300.5, 12, 1)
+    assert np.abs(np.array(made["point"]) - found.r1.T @ (x[:3] / x[3])).max() < 1e-6
+    assert made["eye"] == "left"
+    assert made["early"] is False
+
+
+def check_warps(sums: list[dict[str, Any]]) -> None:
+    assert len(sums) == 2
+    for each in sums:
+        assert each["before"] > 1e6
+        assert each["after"] == each["before"]
+        assert each["meanwhile"] < each["before"]
+
+
+def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
+    page = context.new_page()
+    page.goto(PLAIN)
+    check_warps(page.evaluate(WARPS_WITHOUT_GPU, calibration("rectilinear", HALF)))
+
+
+@pytest.mark.thorough
+def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InFirefox) -> None:
+    function = f"() => ({WARPS_WITHOUT_GPU})({json.dumps(calibration('rectilinear'))})"
+    check_warps(in_firefox(f"{stack}{PLAIN}", function))
+
+
+@pytest.mark.thorough
+def test_overlays_return_with_the_gpu_and_report_its_loss(context: BrowserContext) -> None:
+    overlays = context.new_page()
+    overlays.goto("/ar/?virtual=1&k1=-0.3&error=0&rate=10&hand=quick")
+    overlays.locator("#rms:not(:empty)").wait_for()
+    counts = overlays.evaluate(f"async () => {{ {LOST_GPU} return countsOfOverlays(); }}")
+    assert [each["mode"] for each in counts] == ["matrix", "rectified", "distorted", "estimate"]
+    for each in counts:
+        assert each["before"] > 10_000, each
+        assert each["after"] > 0.9 * each["before"], each
+    overlays.evaluate(f"async () => {{ {LOST_GPU} await lose(layer()); }}")
+    overlays.locator("#failure", has_text="The graphics processor stopped responding.").wait_for()
+    overlays.locator("#again").click()
+    overlays.locator("#rms:not(:empty)").wait_for()

@@ -72,7 +72,7 @@ def test_a_result_is_short_and_its_card_copies(page: Page, context: BrowserConte
     assert page.evaluate(f"localStorage.getItem('{FORMAT_KEY}')") == "ros"
 
 
-def test_a_result_with_its_report(page: Page) -> None:
+def test_a_result_with_its_report_and_a_picture_to_straighten(page: Page, tmp_path: Path) -> None:
     answer(page, "**/v1/calibrations/*", result_of_camera)
     answer(page, "**/v1/cameras/*", camera)
     page.add_init_script(f"localStorage.setItem('{FORMAT_KEY}', 'ros')")
@@ -108,6 +108,17 @@ def test_a_result_with_its_report(page: Page) -> None:
     expect(page.locator(".views .problem")).to_have_count(3)
     expect(page.locator("td.std").first).to_contain_text("±")
     picture(page, "result", full=True)
+
+    photograph = tmp_path / "photograph.jpg"
+    cv2.imwrite(str(photograph), textured_board((1280, 720)))
+    sent: list[str] = []
+    page.on("request", lambda request: sent.append(request.url))
+    page.locator("#trial-picture").set_input_files(photograph)
+    page.get_by_text("A square grid as your lens").wait_for(state="detached")
+    page.locator(".compare canvas").nth(1).wait_for()
+    page.locator(".compare input").fill("20")
+    assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "0.2"
+    assert [url for url in sent if not url.startswith("blob:")] == []
 
 
 SHOWN_TWICE = page_function("show_twice")
@@ -232,21 +243,3 @@ def test_results_return_over_https_or_to_this_machine(page: Page) -> None:
     page.goto("/result/?id=c&return_to=http://plain.example/")
     page.locator(".return.problem", has_text="plain.example").wait_for()
     expect(page.locator("#return")).to_have_count(0)
-
-
-def test_a_picture_is_straightened_on_this_device(page: Page, tmp_path: Path) -> None:
-    photograph = tmp_path / "photograph.jpg"
-    cv2.imwrite(str(photograph), textured_board((1280, 720)))
-    answer(page, "**/v1/calibrations/*", result_of_camera)
-    answer(page, "**/v1/cameras/*", camera)
-    page.goto("/result/?id=x")
-    page.locator("#trial-picture").wait_for(state="attached")
-    page.locator("#agreement", has_text="agree").wait_for()
-    sent: list[str] = []
-    page.on("request", lambda request: sent.append(request.url))
-    page.locator("#trial-picture").set_input_files(photograph)
-    page.get_by_text("A square grid as your lens").wait_for(state="detached")
-    page.locator(".compare canvas").nth(1).wait_for()
-    page.locator(".compare input").fill("20")
-    assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "0.2"
-    assert [url for url in sent if not url.startswith("blob:")] == []

@@ -13,6 +13,7 @@ from playwright.sync_api import Page
 
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.scripts import PLAIN
+from tests.helpers.browser.specimens import rig_result
 from tests.helpers.browser.webxr import LABEL, SHARED, known_camera, script
 from tests.helpers.rig_vectors import RIGS_PATH
 
@@ -88,12 +89,7 @@ def test_none_is_left_out() -> None:
 @pytest.mark.thorough
 def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
     pair = json.loads(RIGS_PATH.read_text())[0]
-    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
-    result = {
-        "calibrations": [pair["left"], pair["right"]],
-        "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
-        "unit": "squares",
-    }
+    result = rig_result() | {"unit": "squares"}
     page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=result))
     page.goto(PLAIN)
     body = f"""

@@ -69,8 +69,10 @@ def capture(api: httpx.Client, truth: Truth, key: dict[str, Any], seed: int) -> 
     return state
 
 
-def agreed(api: httpx.Client, key: dict[str, Any]) -> dict[str, Any]:
-    """Wait for the consensus of a camera."""
+def calibrated(api: httpx.Client, truth: Truth, key: dict[str, Any]) -> dict[str, Any]:
+    """Calibrate a camera five times; return the consensus."""
+    for seed in range(5):
+        capture(api, truth, key, seed)
     wanted = key | {"distortion_model": "rectilinear", "redirect": False}
 
     def found() -> dict[str, Any] | None:
@@ -80,13 +82,6 @@ def agreed(api: httpx.Client, key: dict[str, Any]) -> dict[str, Any]:
 
     known: dict[str, Any] = until(found, TIMEOUT_S)
     return known
-
-
-def calibrated(api: httpx.Client, truth: Truth, key: dict[str, Any]) -> dict[str, Any]:
-    """Calibrate a camera five times; return the consensus."""
-    for seed in range(5):
-        capture(api, truth, key, seed)
-    return agreed(api, key)
 
 
 def listed(api: httpx.Client, words: str) -> None:

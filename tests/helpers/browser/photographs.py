@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 import json
 import struct
 from collections.abc import Iterator
@@ -26,6 +25,7 @@ Grey = npt.NDArray[np.uint8]
 
 #: board of the photographs, also of those in CALIBDB_DATA
 SQUARES, MARKER_RATIO, DICTIONARY = 8, 0.75, "DICT_4X4_1000"
+BOARD = Board((SQUARES, SQUARES), MARKER_RATIO, DICTIONARY)
 CAMERA = Truth(fx=680.0, cx=326.0, cy=236.0, k1=-0.12, size=(640, 480))
 MAKE, MODEL = "Drawn", "Test Camera"
 BLUR, NOISE, JPEG_QUALITY = 0.8, 2.0, 92  # px, grey levels, of 100
@@ -33,20 +33,12 @@ SQUARE = 64  # texture pixels
 SAMPLES = 2  # along each side of a pixel
 
 
-def board_texture(squares: int, square: int, margin: int = 0) -> Grey:
-    """Draw a square board of 4x4 markers."""
-    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_1000)
-    board = cv2.aruco.CharucoBoard((squares, squares), 1, MARKER_RATIO, dictionary)
-    side = squares * square + 2 * margin
-    return np.asarray(board.generateImage((side, side), marginSize=margin), dtype=np.uint8)
-
-
 def textured_board(size: tuple[int, int]) -> Grey:
     """Draw a turned board that fills a picture, under texture of 4 to 64 px."""
     width, height = size
     side = width + height // 4
     square = side // 24
-    texture = board_texture(24, square)
+    texture = draw_board(Board((24, 24), MARKER_RATIO, DICTIONARY), square)
     turn = cv2.getRotationMatrix2D((12 * square, 12 * square), 8.0, side / (24 * square))
     turn[:, 2] += np.array([width / 2, height / 2]) - 12 * square
     drawn = 128 + 0.68 * (cv2.warpAffine(texture, turn, size, flags=cv2.INTER_LINEAR).astype(float) - 128)
@@ -55,29 +47,6 @@ def textured_board(size: tuple[int, int]) -> Grey:
         noise = rng.normal(0, amplitude, (height // period + 2, width // period + 2))
         drawn += cv2.resize(noise, size, interpolation=cv2.INTER_CUBIC)
     return np.asarray(np.clip(drawn, 0, 255), dtype=np.uint8)
-
-
-def _poses() -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
-    """Rotation and translation, in squares, of twelve views tilted by 25 to 45 degrees."""
-    rng = np.random.default_rng(2)
-    middle = np.array([SQUARES / 2, SQUARES / 2, 0])
-    for index in range(12):
-        rotation = _tilted(index, 25, 45, rng)
-        yield rotation, _aside(index, 0.13, rng.uniform(11, 16)) - rotation @ middle
-
-
-def _tilted(index: int, low: float, high: float, rng: np.random.Generator) -> npt.NDArray[np.float64]:
-    """Rotation tilted by `low` to `high` degrees, to another side for each index, and turned a little."""
-    azimuth = 2.4 * index
-    tilt = np.radians(rng.uniform(low, high)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
-    turned: npt.NDArray[np.float64] = cv2.Rodrigues(np.array([0, 0, rng.uniform(-0.3, 0.3)]))[0]
-    return cv2.Rodrigues(tilt)[0] @ turned
-
-
-def _aside(index: int, share: float, depth: float) -> npt.NDArray[np.float64]:
-    """Place at a depth, off the axis by about a share of it."""
-    aside = share * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
-    return aside + np.array([0, 0, depth])
 
 
 @functools.cache
@@ -111,13 +80,6 @@ def _photograph(
     return np.asarray(np.clip(blurred + noise, 0, 255).round(), dtype=np.uint8)
 
 
-def photograph(
-    rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64], seed: int = 0
-) -> Grey:
-    """Draw the board of the photographs."""
-    return _photograph(board_texture(SQUARES, SQUARE, SQUARE), np.zeros(2), rotation, translation, seed)
-
-
 def board_photographs(board: Board, count: int) -> Iterator[Grey]:
     """Draw photographs of any board by the camera, whole in the picture, tilted by 20 to 40 degrees."""
     rng = np.random.default_rng(3)
@@ -128,10 +90,14 @@ def board_photographs(board: Board, count: int) -> Iterator[Grey]:
     middle = np.append(origin + np.array(board.size) / 2, 0)
     w, h = CAMERA.size
     for index in range(count):
-        rotation = _tilted(index, 20, 40, rng)
+        # To another side each time, and turned a little.
+        azimuth = 2.4 * index
+        tilt = np.radians(rng.uniform(20, 40)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+        turn = np.array([0, 0, rng.uniform(-0.3, 0.3)])
+        rotation = cv2.Rodrigues(tilt)[0] @ cv2.Rodrigues(turn)[0]
         depth = rng.uniform(1.35, 1.8) * CAMERA.fx * max(board.size[0] / w, board.size[1] / h)
-        translation = _aside(index, 0.1, depth) - rotation @ middle
-        yield _photograph(texture, origin, rotation, translation, index)
+        place = depth * np.array([0.1 * np.cos(1.1 * index), 0.07 * np.sin(1.1 * index), 1])
+        yield _photograph(texture, origin, rotation, place - rotation @ middle, index)
 
 
 def jpeg(picture: Grey, orientation: int = 1) -> bytes:
@@ -153,20 +119,18 @@ def jpeg(picture: Grey, orientation: int = 1) -> bytes:
 def draw(folder: Path, count: int = 12) -> list[Path]:
     """Write up to twelve photographs; the EXIF data of every third says that the camera was turned."""
     paths = []
-    for index, (rotation, translation) in enumerate(itertools.islice(_poses(), count)):
+    for index, picture in enumerate(board_photographs(BOARD, count)):
         path = folder / f"drawn-{index:02}.jpg"
-        path.write_bytes(jpeg(photograph(rotation, translation, seed=index), 6 if index % 3 == 2 else 1))
+        path.write_bytes(jpeg(picture, 6 if index % 3 == 2 else 1))
         paths.append(path)
     return paths
 
 
 def draw_other(folder: Path) -> Path:
     """Write a photograph of another size."""
-    rotation, translation = next(_poses())
+    (picture,) = board_photographs(BOARD, 1)
     path = folder / "larger.jpg"
-    path.write_bytes(
-        jpeg(np.asarray(cv2.resize(photograph(rotation, translation), None, fx=2, fy=2), dtype=np.uint8))
-    )
+    path.write_bytes(jpeg(np.asarray(cv2.resize(picture, None, fx=2, fy=2), dtype=np.uint8)))
     return path
 
 

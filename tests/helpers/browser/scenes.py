@@ -1,19 +1,30 @@
 """Environments of a page: a fake camera, no network."""
 
+import json
+
 from playwright.sync_api import FilePayload, Page
 
-# A camera without a sensor.
-CAMERA = """
-  navigator.mediaDevices.getUserMedia = async () => {
-    const canvas = Object.assign(document.createElement("canvas"), { width: 1280, height: 720 });
-    setInterval(() => canvas.getContext("2d").fillRect(0, 0, 1280, 720), 100);
+LABEL = "HD Pro Webcam C920 (046d:082d)"
+
+
+def webcam(*labels: str, size: tuple[int, int] = (1280, 720)) -> str:
+    """Script that gives a page cameras that look into the dark; the first one is opened."""
+    return f"""{{
+  const [labels, [width, height]] = [{json.dumps(labels or (LABEL,))}, {list(size)}];
+  navigator.mediaDevices.getUserMedia = async () => {{
+    const canvas = Object.assign(document.createElement("canvas"), {{ width, height }});
+    setInterval(() => canvas.getContext("2d").fillRect(0, 0, width, height), 100);
     const stream = canvas.captureStream(5);
     const [track] = stream.getVideoTracks();
-    Object.defineProperty(track, "label", { value: "HD Pro Webcam C920 (046d:082d)" });
-    track.getSettings = () => ({ width: 1280, height: 720, deviceId: "c920" });
+    Object.defineProperty(track, "label", {{ value: labels[0] }});
+    track.getSettings = () => ({{ width, height, deviceId: "0" }});
     return stream;
-  };
-"""
+  }};
+  navigator.mediaDevices.enumerateDevices = async () =>
+    labels.map((label, at) => ({{ kind: "videoinput", deviceId: String(at), label }}));
+}}"""
+
+
 # A detector that is there at once and sees no board: the real one has 3 MB.
 BLIND_DETECTOR = """
   const Real = window.Worker;
@@ -35,7 +46,7 @@ BLIND_DETECTOR = """
 """
 
 # One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
-PLUGGED = f"""{CAMERA}
+PLUGGED = f"""{webcam()}
   Object.assign(window, {{ there: true, permitted: false }});
   const give = navigator.mediaDevices.getUserMedia;
   navigator.mediaDevices.getUserMedia = (constraints) => {{
@@ -45,7 +56,7 @@ PLUGGED = f"""{CAMERA}
     return give();
   }};
   navigator.mediaDevices.enumerateDevices = async () => {{
-    const [deviceId, label] = window.permitted ? ["c920", "HD Pro Webcam C920 (046d:082d)"] : ["", ""];
+    const [deviceId, label] = window.permitted ? ["0", "{LABEL}"] : ["", ""];
     return window.there ? [{{ kind: "videoinput", deviceId, label }}] : [];
   }};
 """

@@ -8,6 +8,7 @@ from typing import Any
 from playwright.sync_api import Page
 
 from ...browser.conftest import ROOT
+from ..rig_vectors import RIGS_PATH
 
 VIRTUAL = "calibDB virtual camera 8b0a5c1f"
 
@@ -24,10 +25,29 @@ def result() -> dict[str, Any]:
     return found | {"board": board, "camera_key": None}
 
 
+def known() -> dict[str, Any]:
+    """The response to a lookup of a known camera."""
+    return result() | {"calibrations": 7, "reliable": True, "exact_size": True}
+
+
 def rig() -> dict[str, Any]:
     """State of a finished rig of two simulated cameras whose board is bent."""
     state: dict[str, Any] = json.loads((ROOT / "tests" / "web" / "rig_state.json").read_text())
     return state
+
+
+def rig_result() -> dict[str, Any]:
+    """Result of a rig of two cameras, the first pair of `rigs.json`."""
+    pair = json.loads(RIGS_PATH.read_text())[0]
+    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
+    return {
+        "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",
+        "calibrations": [pair["left"] | {"camera": "C 1"}, pair["right"] | {"camera": "C 2"}],
+        "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
+        "unit": "metres",
+        "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
+        "verdict": {"level": "good", "reasons": []},
+    }
 
 
 def result_of_camera() -> dict[str, Any]:

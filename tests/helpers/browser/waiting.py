@@ -13,7 +13,7 @@ from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 #: s
 TIMEOUT_S = 120.0
 
-# Record texts in some places, also those that are shown only for a moment.
+# Record texts in some places, also those that are shown only for a moment, with the frames looked at before.
 _LISTEN = """
   window.said = {};
   document.addEventListener("DOMContentLoaded", () => {
@@ -21,7 +21,7 @@ _LISTEN = """
     for (const id of places) {
       const place = document.getElementById(id);
       const said = window.said[id] = [];
-      const write = () => place.closest("[hidden]") || said.push(place.textContent);
+      const write = () => place.closest("[hidden]") || said.push([place.textContent, window.looks]);
       const changes = { subtree: true, childList: true, characterData: true, attributeFilter: ["hidden"] };
       if (place) new MutationObserver(write).observe(place, changes);
     }
@@ -117,7 +117,8 @@ def listen(page: Page) -> None:
 
 def heard(page: Page, where: str) -> list[str]:
     """All texts in one place since the page was opened."""
-    texts: list[str] = page.evaluate("(id) => window.said[id] ?? []", where)  # none yet before it is there
+    # None yet before it is there
+    texts: list[str] = page.evaluate("(id) => (window.said[id] ?? []).map(([text]) => text)", where)
     return texts
 
 

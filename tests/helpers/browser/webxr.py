@@ -1,17 +1,17 @@
 """A known camera, and functions that inspect sessions of WebXR in a page."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import Page, Route
 
-from .specimens import result
+from . import specimens
+from .scripts import FOLDER
 from .truth import Truth
 
 LABEL = "WebXR Test Camera (1234:0a0b)"
 TRUTH = Truth()
-SHARED = Path(__file__).with_name("webxr.js").read_text()
+SHARED = (FOLDER / "webxr.js").read_text()
 
 
 def script(body: str, **constants: object) -> str:
@@ -22,7 +22,7 @@ def script(body: str, **constants: object) -> str:
 def known_camera(page: Page) -> dict[str, Any]:
     """Answer lookups of a page with a calibration of either model; return the rectilinear one."""
     lens = {"camera_matrix": TRUTH.matrix.tolist(), "distortion_coefficients": TRUTH.distortion.tolist()}
-    known = result() | lens | {"calibrations": 7, "reliable": True, "exact_size": True}
+    known = specimens.known() | lens
     fisheye = known | {"distortion_model": "fisheye", "distortion_coefficients": [0.01, 0, 0, 0]}
 
     def fulfil(route: Route) -> None:

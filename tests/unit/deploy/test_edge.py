@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from calibdb.http import application
+from infra.server import app
 from tests.helpers.data import ROOT
 from tests.helpers.sam import complete, resources
 
@@ -60,6 +61,7 @@ def test_responses_of_the_edge_itself_can_be_read_by_other_origins() -> None:
     gateway = resources()["HttpApi"]["Properties"]["CorsConfiguration"]
     assert cors["AccessControlAllowOrigins"]["Items"] == gateway["AllowOrigins"]
     assert cors["AccessControlExposeHeaders"]["Items"] == gateway["ExposeHeaders"]
+    assert app._EXPOSED.split(",") == gateway["ExposeHeaders"], "pages in browsers are tested with the server"
     assert cors["AccessControlAllowHeaders"]["Items"] == gateway["AllowHeaders"]
     assert cors["OriginOverride"] is False
     paths = {
