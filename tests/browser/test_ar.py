@@ -5,20 +5,17 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import cv2
-import httpx
 import numpy as np
 import numpy.typing as npt
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
-from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.interruptions import UNPLUG
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import BLIND_DETECTOR, LISTED_LATE, PLUG, PLUGGED, webcam
-from tests.helpers.browser.scripts import page_function
-from tests.helpers.browser.specimens import answer, known
-from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.scripts import PLAIN, page_function
+from tests.helpers.browser.specimens import answer, known, result
 from tests.helpers.browser.waiting import until
 from tests.helpers.marks import thorough
 
@@ -26,7 +23,6 @@ from .test_rectifier import decoded
 
 Array = npt.NDArray[np.float64]
 
-TRUTH = Truth(k1=-0.2)
 #: a detector that stops to answer when `isSilent` is set; the next one answers
 SILENCED = """
   window.Worker = class extends Worker {
@@ -148,6 +144,10 @@ def test_overlays_fit_in_a_practice_that_only_requests_an_estimate(page: Page, s
     page.locator("#welcome .virtually").click()
     page.locator("#rms:not(:empty)").wait_for()
     expect(page.locator("#facts")).to_contain_text("exact, because the camera is simulated")
+    there = urlsplit(page.locator("#recalibrate").evaluate("link => link.href"))
+    query = parse_qs(there.query)
+    assert (there.path, query["k1"]) == ("/calibrate/", ["-0.3"])
+    assert urlsplit(query["return_to"][0]).path == "/ar/"
     check(page.evaluate(READ))
     for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
         page.keyboard.press(key)
@@ -187,28 +187,6 @@ def test_without_the_service_there_is_no_estimate(page: Page) -> None:
     page.get_by_role("button", name="Use the estimate").click()
     expect(page.locator("#outermost")).not_to_contain_text("outermost corner", timeout=30_000)
     expect(page.locator("#stage")).to_have_attribute("data-shown", "matrix")
-
-
-@pytest.mark.thorough
-def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: list[Request]) -> None:
-    address = f"/ar/?{TRUTH.query(error=0)}"
-    page.goto(address)
-    page.locator("#rms:not(:empty)").wait_for()
-    there = urlsplit(page.locator("#recalibrate").evaluate("link => link.href"))
-    assert there.path == "/calibrate/"
-    query = {name: values[0] for name, values in parse_qs(there.query).items()}
-    assert float(query["k1"]) == TRUTH.k1
-    key = {"camera": query["camera"], "platform": query["platform"], "img_size": [1280, 720]}
-    state = capture(api, TRUTH, key, seed=3)
-    page.goto("/board/")
-    page.goto(f"{query['return_to']}#calibration={state['calibration_id']}")
-    page.locator("#facts", has_text="measured just now").wait_for()
-    page.keyboard.press("3")
-    page.locator("#stage[data-shown=distorted]").wait_for()
-    page.locator("#rms:not(:empty)").wait_for()
-    off = float((page.locator("#rms").text_content() or "").split()[0])
-    assert 0 < off < 0.3
-    assert sent == []
 
 
 def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserContext) -> None:
@@ -266,10 +244,15 @@ def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, whe
     until(page, said)
 
 
-def test_a_link_to_a_result_that_is_gone_asks_calibdb(context: BrowserContext) -> None:
+def test_a_link_to_a_result_is_followed_unless_it_is_gone(context: BrowserContext) -> None:
     page = context.new_page()
     page.add_init_script(WEBCAM + BLIND_DETECTOR)
-    page.route("**/v1/calibrations/**", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"}))
     answer(page, "**/v1/lookup", known)
-    page.goto("/ar/#calibration=gone")
-    page.locator("#facts", has_text="from calibDB").wait_for()
+    page.route(
+        "**/v1/calibrations/gone", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"})
+    )
+    page.route("**/v1/calibrations/here", lambda route: route.fulfill(json=result()))
+    for link, origin in (("gone", "from calibDB"), ("here", "measured just now")):
+        page.goto(PLAIN)
+        page.goto(f"/ar/#calibration={link}")
+        page.locator("#facts", has_text=origin).wait_for()

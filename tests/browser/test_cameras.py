@@ -1,11 +1,12 @@
 """The pages of known cameras."""
 
+import json
 import re
 from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, Download, Page, expect
 
 from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import SIZES, picture
@@ -96,9 +97,14 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model(
     page.locator("select[id^=format-model-]").select_option("gyroflow")
     page.locator("button[id^=download-model-]").click()
     page.locator(".saved", has_text="says exactly").wait_for()
+    saved: list[Download] = []
+    page.on("download", lambda download: saved.append(download))
     page.locator("select[id^=format-model-]").select_option("corners-vnl")
     page.locator("button[id^=download-model-]").click()
     page.locator(".saved.problem", has_text="no corners of its own").wait_for()
+    page.locator("select[id^=format-model-]").select_option("ros")
+    expect(page.locator(".saved")).to_have_text("")
+    assert saved == []
     page.go_back()
     expect(page.locator("#query")).to_have_value("shelf test")
     assert errors == []
@@ -126,12 +132,12 @@ def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     expect(page.locator("#own input:checked")).to_have_count(1)
     expect(page.locator("#own li button")).to_have_count(2)
     compared, caption = page.locator(".comparison thead"), page.locator(".comparison figcaption")
-    file = page.locator("#with-file")
-    file.set_input_files({"name": "camera.yaml", "mimeType": "text/yaml", "buffer": opencv_file()})
+    file, one = page.locator("#with-file"), json.dumps(one_per_cent_longer()).encode()
+    file.set_input_files({"name": "camera.json", "mimeType": "", "buffer": one})
     expect(caption).to_contain_text(APART)
     typical = float(re.findall(r"typically ([\d.]+)", caption.text_content() or "")[0])
     assert typical == pytest.approx(3.7, rel=0.15)
-    expect(compared).to_contain_text("camera.yaml")
+    expect(compared).to_contain_text("camera.json")
     file.set_input_files({"name": "no.txt", "mimeType": "text/plain", "buffer": b""})
     expect(page.locator("#own [role=status]")).to_contain_text("No camera was found in this file")
     page.locator("#tick-c1-example").uncheck()
@@ -155,20 +161,3 @@ def test_own_calibrations_are_compared_and_removed(page: Page) -> None:
     page.locator("#own li button").click()
     expect(page.locator("#own li button")).to_have_count(0)
     assert page.evaluate("localStorage.getItem('calibdb.own')") is None
-
-
-def opencv_file() -> bytes:
-    numbers = [number for row in one_per_cent_longer()["camera_matrix"] for number in row]
-    return f"""%YAML:1.0
----
-camera_matrix: !!opencv-matrix
-   rows: 3
-   cols: 3
-   dt: d
-   data: {numbers}
-distortion_coefficients: !!opencv-matrix
-   rows: 1
-   cols: 5
-   dt: d
-   data: {result()["distortion_coefficients"]}
-""".encode()

@@ -11,14 +11,13 @@ from tests.helpers.browser.interruptions import (
     HIDE,
     UNPLUG,
     VIRTUAL,
-    posts,
     sessions,
     stop,
     views,
     wait_for_views,
 )
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scripts import FOLDER, PLAIN, page_function
+from tests.helpers.browser.scripts import PLAIN
 from tests.helpers.browser.waiting import address, hear, heard, listen, requests_within, until
 
 from ..conftest import THOROUGH
@@ -214,57 +213,6 @@ def test_a_full_storage_is_said_and_ends_nothing(page: Page) -> None:
     page.goto(ENDLESS)
     page.locator("#away", has_text="This browser cannot save views").wait_for()
     wait_for_views(page, views(page) + 1)
-
-
-@pytest.mark.thorough
-def test_a_silent_service_is_away_after_two_seconds(context: BrowserContext) -> None:
-    page = context.new_page()
-    page.add_init_script((FOLDER / "watch_outage.js").read_text())
-    sent = posts(page, "/session/views")
-    held: list[Route] = []
-    back: list[bool] = []
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    # A service that has to start is not taken for one that is away.
-    first = page.evaluate("window.seen")
-    if any(away for _, _, _, away in first):  # a busy machine answers late, which is an outage, too
-        until(page, lambda: page.evaluate("window.slowest") > 2_000)
-        page.locator("#away").wait_for(state="hidden")
-    else:
-        waited = [time for time, text, _, _ in first if text == "One moment"]
-        # Longer than for a service that has started; the words come a moment after the request.
-        assert max(waited) - min(waited) > 2_000
-    met: list[float] = []  # ms, when each request was made that the outage met
-
-    def be_silent(route: Route) -> None:
-        if not met and route.request.method != "POST":
-            return route.continue_()
-        met.append(float(route.request.headers["x-asked"]))
-        return route.continue_() if back else held.append(route)
-
-    page.route("**/v1/session**", be_silent)
-    there = views(page)
-    asked = min(until(page, lambda: met))
-    page.locator("#away", has_text="No connection. Continue: views are saved on this device.").wait_for()
-    stood = until(page, lambda: [said for time, said in page.evaluate("window.stood") if time == asked])
-    assert stood == [True], "said within three seconds"
-    seen = [each for each in page.evaluate("window.seen") if each[0] > asked]
-    said = next(time for time, _, _, away in seen if away)
-    waiting = [each for each in seen if asked + 100 < each[0] < said]
-    assert not [each for each in waiting if each[2]], "no full ring while nothing comes back"
-    assert {"One moment", "Connection lost. Trying again"} & {text for _, text, _, _ in waiting}
-
-    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
-    kept = page.evaluate(page_function("stored_views"))
-    back.append(True)
-    for route in held:
-        route.continue_()
-    page.unroute("**/v1/session**")
-    page.locator("#away").wait_for(state="hidden")
-    wait_for_views(page, there + 1)
-    points = [view.post_data_json["points"] for view in sent]
-    assert [view["points"] in points for view in kept] == [True] * len(kept)
-    assert [points.count(each) for each in points] == [1] * len(points), "a late answer is one"
 
 
 BUSY_S = 2.0

@@ -12,8 +12,6 @@ from playwright.sync_api import Page, Request, Route, expect
 from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
-    SHOWN_TARGET,
-    done,
     sessions,
     views,
     wait_for_views,
@@ -31,6 +29,8 @@ READ_AS_A_PAGE = """() => {
   const shift = Math.round(left("#done .practice") - left(".brand"));
   return [shift, sheet.scrollHeight - sheet.clientHeight, page.scrollHeight > innerHeight];
 }"""
+#: in the picture; on a busy machine as the plain outline for slow devices
+SHOWN_TARGET = "#stage:not(.plain) #overlay:not([hidden]), #stage.plain #target[points*=',']"
 # Hidden at once when a target is in the picture: a quick hand is soon there.
 HIDE_WITH_TARGET = f"""() => new Promise((done) => {{
   const stage = document.getElementById("stage");
@@ -75,6 +75,12 @@ def assert_only_keypoints(sent: Iterable[Request]) -> None:
             assert len(request.post_data or "") < 4096
             views += 1
     assert views >= 4
+
+
+def done(page: Page) -> None:
+    """Wait for a capture's result with its report."""
+    page.locator("#done:not([hidden])").wait_for()
+    page.locator("#done .views li").first.wait_for(state="attached")
 
 
 def published_corners(page: Page, api: httpx.Client) -> list[Any]:

@@ -160,16 +160,18 @@ def test_files_stay_while_the_board_changes(context: BrowserContext, series: Ser
 
 
 @pytest.mark.thorough
-def test_a_video_becomes_a_calibration(page: Page, series: Series, tmp_path: Path) -> None:
+def test_a_mirrored_video_becomes_a_calibration(page: Page, series: Series, tmp_path: Path) -> None:
     film = tmp_path / "film.webm"
     writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"VP80"), 10, (640, 480))
     for photograph in series.photographs:
         frame = cv2.imread(str(photograph), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
         assert frame is not None
-        writer.write(frame)
+        writer.write(cv2.flip(frame, 1))
     writer.release()
     page.goto(PAGE)
     page.locator("#files").set_input_files(film)
+    expect(page.locator("#question-text")).to_contain_text("mirrored")
+    page.locator("#use-board").click()
     page.locator("#status", has_text="video frames").wait_for()
     calibrate(page)
     calibration = shown_calibration(page)

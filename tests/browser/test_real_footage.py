@@ -149,19 +149,3 @@ def test_a_board_is_recognised_as_a_whole_and_used(
         page.locator("#use-board").click()
         expect(page.locator("#corners .corner")).not_to_have_count(0)
         assert re.search(query, page.url)
-
-
-@pytest.mark.thorough
-def test_mirrored_video_on_the_photos_page_has_a_result(page: Page) -> None:
-    page.goto("/photos/")
-    page.locator("#files").set_input_files(data_dir() / "videos" / "caliscope_pre1_mirrored.mp4")
-    for words in ("mirrored", "4 × 5 ChArUco, DICT_4X4_50, markers 0.75, white on black"):
-        expect(page.locator("#question-text")).to_contain_text(words)
-    page.locator("#use-board").click()
-    page.locator("#status", has_text="video frames").wait_for()
-    status = re.search(r"(\d+) of (\d+) video frames", page.locator("#status").text_content() or "")
-    assert status is not None
-    assert int(status[2]) <= 120
-    page.locator("#camera").fill("Webcam of a video")
-    page.locator("#start").click()
-    page.locator("#verdict").wait_for()

@@ -201,29 +201,6 @@ def test_a_calibration_is_shown_saved_and_refitted(
     assert shown_calibration(page)["id"] == state["calibration_id"]
 
 
-@pytest.mark.thorough
-def test_a_format_that_cannot_be_is_explained_in_the_page(context: BrowserContext) -> None:
-    page = context.new_page()
-    answer(page, "**/v1/calibrations/x", result)
-    page.route(
-        "**/v1/calibrations/*?format=*",
-        lambda route: route.fulfill(
-            status=422,
-            json={"title": "Invalid fields", "status": 422},
-            content_type="application/problem+json",
-        ),
-    )
-    page.goto("/result/?id=x")
-    kept: list[Download] = []
-    page.on("download", lambda download: kept.append(download))
-    page.locator("#format").select_option("corners-vnl")
-    page.locator("#download").click()
-    page.locator(".saved.problem", has_text="no corners of its own").wait_for()
-    page.locator("#format").select_option("ros")
-    expect(page.locator(".saved")).to_have_text("")
-    assert kept == []
-
-
 def test_results_return_over_https_or_to_this_machine(page: Page) -> None:
     six = {
         "calibrations": 6,

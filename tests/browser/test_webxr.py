@@ -98,14 +98,6 @@ def known(asking: Page) -> dict[str, Any]:
     return known
 
 
-def test_the_browsers_own_session_knows_its_camera(page: Page) -> None:
-    page.goto(PLAIN)
-    seen = page.evaluate(held("native"))
-    assert seen["native"] is True
-    assert (seen["first"]["matrix"], seen["first"]["coefficients"]) == (MATRIX, COEFFICIENTS)
-    assert seen["second"]["coefficients"] == [-0.125, 0.5, 0, 0.25]
-
-
 def test_augmented_reality_on_a_webcam(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
     page.goto(PLAIN)

@@ -157,7 +157,10 @@ def test_straightened_picture_own_provider_and_raw_camera_access(
     """
     assert page.evaluate(script(body)) == known["img_size"]
 
+    page.goto(PLAIN)  # with the browser's own sessions
+    fisheye = known | {"distortion_model": "fisheye", "distortion_coefficients": [-0.125, 0.5, 0, 0.25]}
     page.route("**/my-cameras/rectilinear.json", lambda route: route.fulfill(json=known))
+    page.route("**/my-cameras/fisheye.json", lambda route: route.fulfill(json=fisheye))
     body = f"""
       {sample("/my-cameras/")}
       const session = await navigator.xr.requestSession("inline");
@@ -166,10 +169,13 @@ def test_straightened_picture_own_provider_and_raw_camera_access(
       const seen = await until(session, space, (view) => view.distortionModel);
       const view = {{ projectionMatrix: seen.p, camera: {{ width: 640, height: 360 }} }};
       {sample("view.camera.width")}
+      session.updateRenderState({{ distortionModel: "fisheye" }});
+      const {{ coefficients }} = await until(session, space, (view) => view.distortionModel === "fisheye");
       void session.end();
-      return {{ seen, matrix }};
+      return {{ seen, matrix, coefficients, native: /native code/.test(XRSession.toString()) }};
     """
     found = page.evaluate(script(body.replace(SERVICE, stack)))
+    assert (found["native"], found["coefficients"]) == (True, fisheye["distortion_coefficients"])
     assert found["seen"]["matrix"][0] == np.float32(known["camera_matrix"][0][0])
     # A quarter of a turn from top to bottom, as inline sessions begin.
     assert found["matrix"] == pytest.approx([180, 0, 0, 0, 180, 0, 319.5, 179.5, 1], abs=1e-4)

@@ -1,17 +1,5 @@
 // Sessions of WebXR as tests hold them; put behind webxr.js.
 const sessions = {
-  async native() {
-    const { extend } = await import("/webxr/extension.js");
-    extend(async (_, model) => known[model]);
-    const session = await navigator.xr.requestSession("inline");
-    await layered(session);
-    const space = await session.requestReferenceSpace("viewer");
-    const first = await until(session, space, (view) => view.distortionModel);
-    session.updateRenderState({ distortionModel: "fisheye" });
-    const second = await until(session, space, (view) => view.distortionModel === "fisheye");
-    void session.end(); // which a browser without a screen does not confirm
-    return { native: /native code/.test(XRSession.toString()), first, second };
-  },
   async changing() {
     const { useCamera } = await import("/webxr/camera.js");
     const { video, track, resize } = await webcam([1280, 720], label);

@@ -11,8 +11,6 @@ VIRTUAL = f"/calibrate/?{SMALL.query(seed=1)}"
 PRACTICE = VIRTUAL.replace("virtual=1&", "")
 #: not reached in the time that a test takes
 ENDLESS = f"{VIRTUAL}&target_error=0.01"
-#: in the picture; on a busy machine as the plain outline for slow devices
-SHOWN_TARGET = "#stage:not(.plain) #overlay:not([hidden]), #stage.plain #target[points*=',']"
 UNPLUG = "document.getElementById('video').srcObject.getVideoTracks()[0].dispatchEvent(new Event('ended'))"
 HIDE = """(hidden) => {
   Object.defineProperty(document, "hidden", { configurable: true, get: () => hidden });
@@ -20,21 +18,16 @@ HIDE = """(hidden) => {
 }"""
 
 
-def posts(page: Page, path: str) -> list[Request]:
-    """POST requests of a page to addresses that end with a path; the list grows."""
-    sent: list[Request] = []
-
-    def add(request: Request) -> None:
-        if request.method == "POST" and request.url.endswith(path):
-            sent.append(request)
-
-    page.on("request", add)
-    return sent
-
-
 def sessions(page: Page) -> list[Request]:
     """Requests of a page that begin sessions; the list grows."""
-    return posts(page, "/v1/session")
+    begun: list[Request] = []
+
+    def add(request: Request) -> None:
+        if request.method == "POST" and request.url.endswith("/v1/session"):
+            begun.append(request)
+
+    page.on("request", add)
+    return begun
 
 
 def views(page: Page) -> int:
@@ -52,9 +45,3 @@ def stop(page: Page) -> None:
     expect(page.locator("#stop")).to_be_enabled()
     page.locator("#stop").evaluate("(button) => { button.click(); button.click(); }")
     page.locator("#welcome:not([hidden])").wait_for()
-
-
-def done(page: Page) -> None:
-    """Wait for a capture's result with its report."""
-    page.locator("#done:not([hidden])").wait_for()
-    page.locator("#done .views li").first.wait_for(state="attached")
