@@ -131,14 +131,9 @@ def test_overlays_fit_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     check(in_firefox(f"{stack}{ADDRESS}", READ))
 
 
-@pytest.fixture
-def sent(page: Page) -> list[Request]:
-    requests: list[Request] = []
-    page.on("request", lambda request: None if request.method == "GET" else requests.append(request))
-    return requests
-
-
-def test_overlays_fit_in_a_practice_that_only_requests_an_estimate(page: Page, sent: list[Request]) -> None:
+def test_overlays_fit_in_a_practice_that_only_requests_an_estimate(page: Page) -> None:
+    sent: list[Request] = []
+    page.on("request", lambda request: None if request.method == "GET" else sent.append(request))
     page.add_init_script(SILENCED)
     page.goto(f"{ADDRESS.replace('virtual=1&', '')}&img_size=640x360")
     page.locator("#welcome .virtually").click()

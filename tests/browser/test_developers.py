@@ -39,19 +39,12 @@ def known(api: httpx.Client) -> dict[str, Any]:
     return calibrated(api, Truth(), KEY)
 
 
-@pytest.fixture
-def developer(context: BrowserContext, stack: str) -> Page:
-    """Page of a browser with an empty profile and a camera."""
+def test_from_landing_page_to_lookup_elsewhere(
+    context: BrowserContext, stack: str, known: dict[str, Any], tmp_path: Path
+) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
     page = context.new_page()
     page.add_init_script(webcam() + BLIND_DETECTOR)
-    return page
-
-
-def test_from_landing_page_to_lookup_elsewhere(
-    developer: Page, stack: str, known: dict[str, Any], tmp_path: Path
-) -> None:
-    page = developer
     done = ["open the landing page"]
 
     def click(selector: str) -> None:

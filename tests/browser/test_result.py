@@ -31,11 +31,6 @@ SAVED = ("calibdb", "ros", "gltf")
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
-@pytest.fixture(scope="module")
-def state(api: httpx.Client) -> dict[str, Any]:
-    return capture(api, Truth(), KEY, seed=7)
-
-
 @pytest.mark.parametrize("language", ["uk", *thorough("en", "de")])
 def test_a_result_is_short_and_its_card_copies(page: Page, context: BrowserContext, language: str) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -137,9 +132,8 @@ def test_late_error_bars_move_no_number(page: Page) -> None:
         assert numbers[:2] == ["977.73\u00a0px", "±\u00a00.56\u00a0px"]
 
 
-def test_a_calibration_is_shown_saved_and_refitted(
-    page: Page, api: httpx.Client, state: dict[str, Any]
-) -> None:
+def test_a_calibration_is_shown_saved_and_refitted(page: Page, api: httpx.Client) -> None:
+    state = capture(api, Truth(), KEY, seed=7)
     path = f"/calibrations/{state['calibration_id']}"
     page.goto(f"/result/?id={state['calibration_id']}")
     page.locator("#agreement", has_text=re.compile("[1-4] of 5 calibrations needed")).wait_for()

@@ -14,7 +14,7 @@ from playwright.sync_api import Page
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.scripts import PLAIN
 from tests.helpers.browser.specimens import rig_result
-from tests.helpers.browser.webxr import LABEL, SHARED, known_camera, script
+from tests.helpers.browser.webxr import LABEL, SHARED, attributes, known_camera, script
 from tests.helpers.rig_vectors import RIGS_PATH
 
 from .conftest import ROOT
@@ -72,12 +72,10 @@ def test_three_lines_of_a_page(page: Page, known: dict[str, Any], elsewhere: str
       return {{ first: [[...first[0]], [...first[1]], first[2]], known, size, focal: projection[0] }};
     """
     seen = page.evaluate(f"async () => {{ {body} }}")
-    matrix = np.array(known["camera_matrix"]).T.ravel().astype(np.float32).tolist()
-    coefficients = np.array(known["distortion_coefficients"]).astype(np.float32).tolist()
-    assert seen["first"] == [matrix, coefficients, "rectilinear"]
+    assert seen["first"] == attributes(known)
     assert seen["known"] is True
     assert seen["size"] == [1280, 720]
-    assert 0 < seen["focal"] < 2 * matrix[0] / 1280
+    assert 0 < seen["focal"] < 2 * known["camera_matrix"][0][0] / 1280
 
 
 def test_none_is_left_out() -> None:

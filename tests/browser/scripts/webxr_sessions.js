@@ -5,7 +5,9 @@ const sessions = {
     const { video, track, resize } = await webcam([1280, 720], label);
     const answers = [];
     const onAnswer = ({ calibration, reason }) => answers.push(reason ?? calibration.img_size);
-    const stop = await useCamera(video, { token: "cdb_dev_local", onAnswer });
+    let silent = false;
+    const send = (...request) => (silent ? new Promise(() => {}) : fetch(...request));
+    const stop = await useCamera(video, { token: "cdb_dev_local", cache: null, fetch: send, onAnswer });
     const session = await navigator.xr.requestSession("immersive-ar", { optionalFeatures: ["local-floor"] });
     await layered(session);
     const space = await session.requestReferenceSpace("local-floor");
@@ -19,27 +21,13 @@ const sessions = {
       seen.push(await until(session, space, (view) => (view.distortionModel !== null) === known));
       while (answers.length < seen.length) await new Promise(requestAnimationFrame);
     }
-    stop();
-    await session.end();
-    return { seen, answers };
-  },
-  // what views say from the frame on in which the video shows another picture, while the question is open
-  async turned() {
-    const { useCamera } = await import("/webxr/camera.js");
-    const { video, resize } = await webcam([1280, 720], label);
-    let silent = false;
-    const slowly = (...request) => (silent ? new Promise(() => {}) : fetch(...request));
-    const stop = await useCamera(video, { token: "cdb_dev_local", cache: null, fetch: slowly });
-    const session = await navigator.xr.requestSession("immersive-ar");
-    await layered(session);
-    const space = await session.requestReferenceSpace("local");
-    const before = await until(session, space, (view) => view.distortionModel);
+    // From the frame on in which the video shows another picture, while the question is open.
     silent = true;
     resize(720, 1280);
-    const after = await until(session, space, () => video.videoWidth === 720);
+    const open = await until(session, space, () => video.videoWidth === 720);
     stop();
     await session.end();
-    return { before, after };
+    return { seen, answers, open };
   },
   async immersive() {
     const { extend } = await import("/webxr/extension.js");

@@ -4,30 +4,17 @@
 // Reads a line of JSON for each page, {address, source, before, size}, and prints one, {result, complaints} or {error},
 // until its input ends.
 import { createInterface } from "node:readline";
-import puppeteer from "puppeteer-core";
-
-const TIMEOUT_MS = 120_000; // only what fails is waited for so long
+import { launch, watch } from "./firefox.mjs";
 
 const [, , executablePath] = process.argv;
-const limits = { timeout: TIMEOUT_MS, protocolTimeout: 2 * TIMEOUT_MS };
 // Without a GPU the processor draws each frame. A process for a page that is never opened takes a second.
 const extraPrefsFirefox = { "layout.frame_rate": 20, "dom.ipc.processPrelaunch.enabled": false };
-const browser = await puppeteer.launch({
-  browser: "firefox",
-  executablePath,
-  headless: false,
-  extraPrefsFirefox,
-  ...limits,
-});
+const browser = await launch(executablePath, { headless: false, extraPrefsFirefox });
 
 /** Result of a function in a page, and what the page complains of meanwhile. */
 async function evaluate(page, { address, source, before, size: [width, height] }) {
   const complaints = [];
-  page.setDefaultTimeout(TIMEOUT_MS);
-  page.on("console", (message) => {
-    if (["error", "warn"].includes(message.type())) complaints.push(`${message.type()}: ${message.text()}`);
-  });
-  page.on("pageerror", (error) => complaints.push(`uncaught: ${error.message}`));
+  watch(page, complaints);
   await page.setViewport({ width, height });
   if (before) await page.evaluateOnNewDocument(before);
   await page.goto(address);

@@ -2,30 +2,17 @@
 //     node firefox_rig.mjs <executable> <address of the page> <folder of the profile>
 // Prints a line of JSON once the rig can be joined, {code, address}, and one when it is finished, {id, moments,
 // complaints}.
-import puppeteer from "puppeteer-core";
+import { launch, watch } from "./firefox.mjs";
 
-const TIMEOUT_MS = 120_000; // only what fails is waited for so long
 const MOMENTS_BEFORE = 2; // with all cameras, before it is killed
 
 const [, , executablePath, address, userDataDir] = process.argv;
 const complaints = [];
 
 async function start(there) {
-  const browser = await puppeteer.launch({
-    browser: "firefox",
-    executablePath,
-    headless: true,
-    userDataDir,
-    timeout: TIMEOUT_MS,
-    protocolTimeout: 2 * TIMEOUT_MS,
-  });
+  const browser = await launch(executablePath, { headless: true, userDataDir });
   const page = await browser.newPage();
-  page.setDefaultTimeout(TIMEOUT_MS);
-  page.on(
-    "console",
-    (message) => ["error", "warn"].includes(message.type()) && complaints.push(`${message.type()}: ${message.text()}`),
-  );
-  page.on("pageerror", (error) => complaints.push(`uncaught: ${error.message}`));
+  watch(page, complaints);
   await page.goto(there);
   return { browser, page };
 }

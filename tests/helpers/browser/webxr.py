@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import numpy as np
 from playwright.sync_api import Page, Route
 
 from . import specimens
@@ -12,6 +13,13 @@ from .truth import Truth
 LABEL = "WebXR Test Camera (1234:0a0b)"
 TRUTH = Truth()
 SHARED = (FOLDER / "webxr.js").read_text()
+
+
+def attributes(calibration: dict[str, Any]) -> list[Any]:
+    """Matrix, coefficients and model of a view of a camera, in floats of 32 bits."""
+    matrix = np.array(calibration["camera_matrix"]).T.ravel().astype(np.float32)
+    coefficients = np.array(calibration["distortion_coefficients"]).astype(np.float32)
+    return [matrix.tolist(), coefficients.tolist(), calibration["distortion_model"]]
 
 
 def script(body: str, **constants: object) -> str:
