@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { Captures } from "../../web/calibrate/captures.js";
 import { captureKey } from "../../web/calibrate/state.js";
 import { json, keepHere, setGlobals } from "./globals.mjs";
+import { Sessions } from "./sessions.mjs";
 import { CaptureLoop } from "../../web/calibrate/capture-loop.js";
 import { RequestQueue } from "../../web/calibrate/request-queue.js";
 import { LICENCE_VERSION } from "../../web/lib/consent.js";
@@ -15,26 +16,22 @@ import "./messages.mjs";
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
 const VIEW = { set_aside: false };
-/** A service that takes every view; gives what it was sent, session by session. */
+/** Has the page's requests answered. */
 function serve(t) {
-  const sent = [];
-  const state = () => ({ status: "capturing", accepted: true, views: sent.at(-1).map((_, index) => ({ index })) });
-  t.mock.method(globalThis, "fetch", async (address, { method = "GET", body } = {}) => {
-    const call = `${method} ${new URL(address).pathname.split("/").slice(-2).join("/")}`;
-    if (call.endsWith("config.json")) return json(200, { api: "https://calibdb.example/v1", token: "t" });
-    if (call === "POST v1/auth") return json(201, { session_id: `s${sent.push([])}` });
-    if (call === "GET session/pose") return json(200, { index: sent.at(-1).length });
-    if (call === "POST session/views") sent.at(-1).push(JSON.parse(body).ids[0]);
-    return json(200, state());
-  });
+  const service = new Sessions();
+  t.mock.method(globalThis, "fetch", async (address, request) =>
+    String(address).endsWith("config.json")
+      ? json(200, { api: "https://calibdb.example/v1", token: "t" })
+      : service.fetch(address, request),
+  );
   keepHere(t);
-  return sent;
+  return service;
 }
 
 for (const room of [true, false]) {
   const where = room ? "saved here" : "also if nothing can be saved";
   test(`a capture continues with the other views, ${where}`, async (t) => {
-    const sent = serve(t);
+    const service = serve(t);
     const saved = new Map();
     const unsaved = [];
     const store = {
@@ -53,13 +50,9 @@ for (const room of [true, false]) {
       [false, room, !room],
     );
     await captures.open(fisheye, run);
-    assert.deepEqual(sent, [
-      [1, 2, 3],
-      [1, 3],
-    ]);
     await captures.forget(captureKey(fisheye));
     await captures.open(fisheye, run);
-    assert.deepEqual(sent, [[1, 2, 3], [1, 3], []]);
+    assert.deepEqual(service.taken, [[1, 2, 3], [1, 3], []]);
   });
 }
 
@@ -207,32 +200,14 @@ test("a finish during an outage follows once the service is back", async (t) => 
   assert.equal(log[0], "finish");
 });
 
-let fresh = 0;
-
-async function started() {
-  // The choice is read once a page: another page is another module.
-  const page = `?${fresh++}`;
-  const sent = [];
-  const json = async (method, path, _, { body } = {}) => {
-    if (path === "/session" && method === "POST") sent.push(body);
-    return { session_id: "s", views: [] };
-  };
-  const api = { json, send: async (...call) => new Response(JSON.stringify(await json(...call))) };
-  return { sent, api, page };
-}
-
 test("no session says a licence unless the person agreed", async (t) => {
   keepHere(t);
-  const { sent, api } = await started();
-  await calibrate(api, "t", REQUEST, [], () => {});
-  await new CaptureSession(api, "t", REQUEST).start();
-  assert.deepEqual(
-    sent.map((body) => [body.licence, body.licence_version]),
-    [
-      [undefined, undefined],
-      [undefined, undefined],
-    ],
-  );
+  const service = new Sessions();
+  await calibrate(service.api, "t", REQUEST, [], () => {});
+  await new CaptureSession(service.api, "t", REQUEST).start();
+  const bodies = service.bodies("POST /session");
+  assert.equal(bodies.length, 2);
+  assert.ok(bodies.every((body) => !("licence" in body) && !("licence_version" in body)));
 });
 
 test("consent to an earlier text is none to this one", async (t) => {
@@ -247,17 +222,14 @@ test("consent to an earlier text is none to this one", async (t) => {
 
 test("a running session is given its licence later", async (t) => {
   const kept = keepHere(t);
-  const { sent, api } = await started();
-  kept.delete("calibdb.consent");
-  const session = new CaptureSession({ ...api, json: api.json, send: api.send }, "t", REQUEST);
+  const { api, calls } = new Sessions();
+  const session = new CaptureSession(api, "t", REQUEST);
   await session.start();
   kept.set("calibdb.consent", LICENCE_VERSION);
-  const calls = [];
-  await session.license({ json: async (...call) => void calls.push(call) });
-  assert.equal(sent.length, 1);
+  await session.license(api);
   assert.deepEqual(
-    calls.map(([method, path]) => [method, path]),
-    [["POST", "/session/licence"]],
+    calls.map(({ call }) => call),
+    ["POST /auth", "POST /session", "POST /session/licence"],
   );
 });
 
