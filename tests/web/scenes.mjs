@@ -1,8 +1,24 @@
-// Boards as a simulated camera sees them.
+// Calibrations, and boards as a simulated camera sees them.
 import { corners } from "../../web/lib/board.js";
 import { transformPoint } from "../../web/lib/pose.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
+
+/** @param {number[]} focal fx and fy, or one for both @param {number[]} centre */
+export const cameraMatrix = ([fx, fy = fx], [cx, cy]) => [
+  [fx, 0, cx],
+  [0, fy, cy],
+  [0, 0, 1],
+];
+
+/** Calibration of a lens; without distortion by default. */
+export const calibrationOf = (focal, centre, more = {}) => ({
+  img_size: [1280, 720],
+  camera_matrix: cameraMatrix(focal, centre),
+  distortion_model: "rectilinear",
+  distortion_coefficients: [0, 0, 0, 0, 0],
+  ...more,
+});
 
 /** Pixels of points of the board's plane. */
 export function see(lens, pose, places) {
