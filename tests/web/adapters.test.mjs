@@ -8,33 +8,13 @@ import { Scene } from "@babylonjs/core/scene.js";
 import { applyCalibration as applyToBabylon } from "../../web/sdk/adapters/babylon.js";
 import { registerCalibrated } from "../../web/sdk/adapters/aframe.js";
 import { applyCalibration as applyToThree } from "../../web/sdk/adapters/three.js";
+import { calibrationOf } from "./scenes.mjs";
 
 /** Landscape, portrait, pixels that are not square, and principal points far off the centre. */
 const CAMERAS = [
-  {
-    img_size: [1280, 720],
-    camera_matrix: [
-      [1013.7, 0, 652.3],
-      [0, 1009.1, 348.8],
-      [0, 0, 1],
-    ],
-  },
-  {
-    img_size: [720, 1280],
-    camera_matrix: [
-      [990, 0, 301.25],
-      [0, 991, 702.5],
-      [0, 0, 1],
-    ],
-  },
-  {
-    img_size: [640, 480],
-    camera_matrix: [
-      [700, 0, 40],
-      [0, 350, 455],
-      [0, 0, 1],
-    ],
-  },
+  calibrationOf([1013.7, 1009.1], [652.3, 348.8]),
+  calibrationOf([990, 991], [301.25, 702.5], { img_size: [720, 1280] }),
+  calibrationOf([700, 350], [40, 455], { img_size: [640, 480] }),
 ];
 const VIEWPORTS = [
   [1280, 720],

@@ -7,38 +7,32 @@ import { stopAt } from "../../web/ar/tour.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";
 import { rotationMatrix } from "../../web/lib/pose.js";
+import { calibrationOf } from "./scenes.mjs";
 
 const SIZE = [1280, 720];
-const MATRIX = [
-  [1000, 0, 650],
-  [0, 1010, 352],
-  [0, 0, 1],
-];
+const calibration = calibrationOf([1000, 1010], [650, 352]);
 const LENSES = {
-  rectilinear: [MATRIX, [-0.3, 0.04, 0.001, -0.0008, 0]],
+  rectilinear: [
+    [1000, 1010],
+    [-0.3, 0.04, 0.001, -0.0008, 0],
+  ],
   fisheye: [
-    [
-      [480, 0, 650],
-      [0, 485, 352],
-      [0, 0, 1],
-    ],
+    [480, 485],
     [-0.03, 0.01, -0.004, 0.001],
   ],
-  rational: [MATRIX, [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06]],
+  rational: [
+    [1000, 1010],
+    [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06],
+  ],
   omnidirectional: [
-    [
-      [900, 0, 650],
-      [0, 909, 352],
-      [0, 0, 1],
-    ],
+    [900, 909],
     [1.2, -0.1, 0.02, 0.0006, -0.0003],
   ],
 };
 const lensNamed = (distortion_model) => {
-  const [camera_matrix, distortion_coefficients] = LENSES[distortion_model];
-  return lensOf({ camera_matrix, distortion_coefficients, distortion_model });
+  const [focal, distortion_coefficients] = LENSES[distortion_model];
+  return lensOf(calibrationOf(focal, [650, 352], { distortion_model, distortion_coefficients }));
 };
-const calibration = { img_size: SIZE, camera_matrix: MATRIX };
 const POINTS = corners(DEFAULT_BOARD);
 const inside = ([u, v]) => u > 5 && v > 5 && u < SIZE[0] - 6 && v < SIZE[1] - 6;
 

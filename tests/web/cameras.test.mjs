@@ -8,18 +8,10 @@ import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
 import { keepHere } from "./globals.mjs";
+import { calibrationOf } from "./scenes.mjs";
 import { askPhoneModel, modelsOf, phoneModel } from "../../web/lib/phone-model.js";
 
-const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
-  img_size: [1280, 720],
-  camera_matrix: [
-    [f, 0, cx],
-    [0, f, cy],
-    [0, 0, 1],
-  ],
-  distortion_coefficients,
-  distortion_model,
-});
+const lens = (f, cx) => calibrationOf([f], [cx, 360], { distortion_coefficients: [-0.1, 0.02, 0, 0, 0] });
 
 test("JSON has a list of numbers on one line and says the same", () => {
   const value = {
@@ -65,12 +57,12 @@ test("small numbers have a power of ten, and their error the same one", () => {
 });
 
 test("the difference of two lenses leaves out how the camera was turned", () => {
-  const one = lens(900, 640, 360, [-0.1, 0.02, 0, 0, 0]);
+  const one = lens(900, 640);
   assert.ok(lensDifference(one, one).max < 1e-6);
   // A principal point that moved by 5 px is nearly a turn by 5/900; what is left is distortion that moved with it.
-  const moved = lensDifference(one, lens(900, 645, 360, [-0.1, 0.02, 0, 0, 0]));
+  const moved = lensDifference(one, lens(900, 645));
   assert.ok(moved.rms < 1.5 && moved.max < 5, `${moved.rms} ${moved.max}`);
-  const longer = lensDifference(one, lens(909, 640, 360, [-0.1, 0.02, 0, 0, 0]));
+  const longer = lensDifference(one, lens(909, 640));
   // One per cent of the focal length is one per cent of the distance to the centre, 0 to 7 px.
   assert.ok(Math.abs(longer.rms - 4.1) < 0.5 && longer.max > 6 && longer.max < 7.3, `${longer.rms} ${longer.max}`);
   assert.equal(longer.px.length, 12);

@@ -6,15 +6,13 @@ import { Calibration, UnknownModelError, lensOf, projectionMatrix } from "../../
 import { widePinhole } from "../../web/sdk/rectification.js";
 import { rectifiedMatrix, rectifyingMap } from "../../web/sdk/rectifier.js";
 
+import { calibrationOf, cameraMatrix } from "./scenes.mjs";
+
 const vectors = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", import.meta.url), "utf8"));
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => value - b[axis]));
 
 const intrinsicsOf = ({ model, k: [fx, fy, cx, cy, ...d] }) => ({
-  camera_matrix: [
-    [fx, 0, cx],
-    [0, fy, cy],
-    [0, 0, 1],
-  ],
+  camera_matrix: cameraMatrix([fx, fy], [cx, cy]),
   distortion_model: model,
   distortion_coefficients: d,
 });
@@ -43,16 +41,9 @@ test("every known model has names for its coefficients", () => {
   for (const { model, k } of vectors) assert.equal(COEFFICIENTS[model].length, k.length - 4);
 });
 
-const WIDE = {
-  img_size: [1280, 720],
-  camera_matrix: [
-    [1013.7, 0, 652.3],
-    [0, 1009.1, 348.8],
-    [0, 0, 1],
-  ],
-  distortion_model: "rectilinear",
+const WIDE = calibrationOf([1013.7, 1009.1], [652.3, 348.8], {
   distortion_coefficients: [-0.1, 0.02, 0.001, -0.002, 0.003],
-};
+});
 /** Position at which a matrix draws a point, from the viewport's top-left corner. */
 function drawn(m, [x, y, z], [width, height]) {
   const [a, b, c] = [x, -y, -z];
@@ -149,27 +140,15 @@ test("a calibration of an unknown model is data without a lens", () => {
 });
 
 const SIZE = [640, 360];
-const matrix = [
-  [500, 0, 325],
-  [0, 500, 178],
-  [0, 0, 1],
-];
-const barrel = {
+const barrel = calibrationOf([500], [325, 178], {
   img_size: SIZE,
-  camera_matrix: matrix,
-  distortion_model: "rectilinear",
   distortion_coefficients: [-0.25, 0.05, 0, 0, 0],
-};
-const fisheye = {
+});
+const fisheye = calibrationOf([180], [320, 180], {
   img_size: SIZE,
-  camera_matrix: [
-    [180, 0, 320],
-    [0, 180, 180],
-    [0, 0, 1],
-  ],
   distortion_model: "fisheye",
   distortion_coefficients: [0, 0, 0, 0],
-};
+});
 const inside = ([u, v]) => u >= -0.5 && v >= -0.5 && u <= SIZE[0] - 0.5 && v <= SIZE[1] - 0.5;
 /** Part of the straightened picture that has something to show. */
 function filled(calibration, balance) {

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { parseHTML } from "linkedom";
 import "./messages.mjs";
 import { setGlobals } from "./globals.mjs";
-import { isInside } from "./scenes.mjs";
+import { calibrationOf, isInside } from "./scenes.mjs";
 import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
 import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
@@ -12,16 +12,8 @@ import { distortionPlot, errorPlot, profilePlot } from "../../web/lib/result/plo
 const { document } = parseHTML("<!doctype html>");
 
 const SIZE = [1280, 720];
-const calibration = (f, distortion_model, distortion_coefficients) => ({
-  img_size: SIZE,
-  camera_matrix: [
-    [f, 0, 639.5],
-    [0, f, 359.5],
-    [0, 0, 1],
-  ],
-  distortion_model,
-  distortion_coefficients,
-});
+const calibration = (f, distortion_model, distortion_coefficients) =>
+  calibrationOf([f], [639.5, 359.5], { distortion_model, distortion_coefficients });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
 
 test("a lens without distortion has 0 px in its caption", (t) => {

@@ -17,6 +17,7 @@ import { convexHull, hatching } from "../../web/lib/result/hull.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
 import "./messages.mjs";
 import { ticks } from "../../web/lib/svg.js";
+import { calibrationOf } from "./scenes.mjs";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
 
@@ -37,17 +38,10 @@ test("a coefficient is never written as nought that is none", () => {
 });
 
 test("the field of view includes distortion", () => {
-  const matrix = [
-    [230, 0, 639.5],
-    [0, 230, 359.5],
-    [0, 0, 1],
-  ];
-  const wide = {
-    ...calibration,
-    camera_matrix: matrix,
+  const wide = calibrationOf([230], [639.5, 359.5], {
     distortion_model: "fisheye",
     distortion_coefficients: [0, 0, 0, 0],
-  };
+  });
   const { horizontal, vertical } = fieldOfView(wide);
   assert.ok(Math.abs(horizontal - (1280 / 230) * (180 / Math.PI)) < 1e-6, `${horizontal}`);
   assert.ok(Math.abs(vertical - (720 / 230) * (180 / Math.PI)) < 1e-6, `${vertical}`);
@@ -113,14 +107,7 @@ test("an error is a part of a pixel, a length and an angle", () => {
       "A hundredth of a pixel or less.",
     ],
   );
-  const camera = {
-    ...calibration,
-    camera_matrix: [
-      [1000, 0, 0],
-      [0, 1000, 0],
-      [0, 0, 1],
-    ],
-  };
+  const camera = calibrationOf([1000], [0, 0]);
   const { mm, degrees } = errorInScene(0.5, camera, 10);
   assert.ok(Math.abs(mm - 5) < 1e-9 && Math.abs(degrees - 0.02864789) < 1e-6);
   const wide = errorInScene(

@@ -8,7 +8,7 @@ import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/lib/capture/sight.js";
 import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../../web/lib/capture/target.js";
-import { cornersSeen, see } from "./scenes.mjs";
+import { calibrationOf, cornersSeen, see } from "./scenes.mjs";
 import { observedOutline } from "../../web/lib/board-outline.js";
 import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrate/plan.js";
 
@@ -495,15 +495,10 @@ test("a capture can be ended by hand from four views", () => {
 });
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
-const camera = ([width, height], k1, k2 = 0, f = 0.8) => ({
-  camera_matrix: [
-    [f * Math.max(width, height), 0, (width - 1) / 2 + 12],
-    [0, f * Math.max(width, height), (height - 1) / 2],
-    [0, 0, 1],
-  ],
-  distortion_coefficients: [k1, k2, 0, 0, 0],
-  distortion_model: "rectilinear",
-});
+const camera = ([width, height], k1, k2 = 0) =>
+  calibrationOf([0.8 * Math.max(width, height)], [(width - 1) / 2 + 12, (height - 1) / 2], {
+    distortion_coefficients: [k1, k2, 0, 0, 0],
+  });
 
 function isConvex(vertices) {
   const turns = vertices.map(([x, y], index) => {
@@ -560,21 +555,11 @@ test("an estimate of fewer than three views draws nothing", () => {
 
 test("an offline target has one size for every model", () => {
   const size = [1280, 720];
-  const matrix = (f) => [
-    [f, 0, 639.5],
-    [0, f, 359.5],
-    [0, 0, 1],
-  ];
-  const plain = {
-    camera_matrix: matrix(1024),
-    distortion_model: "rectilinear",
-    distortion_coefficients: [0, 0, 0, 0, 0],
-  };
-  const generalised = {
-    camera_matrix: matrix(2048),
+  const plain = calibrationOf([1024], [639.5, 359.5]);
+  const generalised = calibrationOf([2048], [639.5, 359.5], {
     distortion_model: "omnidirectional",
     distortion_coefficients: [1, 0, 0, 0, 0],
-  };
+  });
   for (const step of PLAN) {
     const poses = [plain, generalised].map((known) => plannedPose(step, DEFAULT_BOARD, size, known));
     const [expected, actual] = poses.map((pose) => pose.tvec[2]);

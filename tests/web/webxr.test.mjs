@@ -3,17 +3,12 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { projectionMatrix } from "../../web/sdk/pinhole.js";
 import { extend, matrixOf } from "../../web/webxr/extension.js";
+import { calibrationOf, cameraMatrix } from "./scenes.mjs";
 
-const PLAIN = {
+const PLAIN = calibrationOf([500, 505], [325, 238], {
   img_size: [640, 480],
-  camera_matrix: [
-    [500, 0, 325],
-    [0, 505, 238],
-    [0, 0, 1],
-  ],
-  distortion_model: "rectilinear",
   distortion_coefficients: [-0.25, 0.0625, 0, 0, 0],
-};
+});
 const FISHEYE = { ...PLAIN, distortion_model: "fisheye", distortion_coefficients: [-0.125, 0.5, 0, 0.25] };
 const MATRIX = [500, 0, 0, 0, 505, 0, 325, 238, 1];
 const NOTHING = [null, null, null];
@@ -163,14 +158,7 @@ test("an error leaves the views as they were until a retry", async () => {
   calls[2].resolve({ ...PLAIN, distortion_coefficients: [0.1] });
   await settled();
   void again(session);
-  calls[3].resolve({
-    ...PLAIN,
-    camera_matrix: [
-      [NaN, 0, 1],
-      [0, 1, 1],
-      [0, 0, 1],
-    ],
-  });
+  calls[3].resolve({ ...PLAIN, camera_matrix: cameraMatrix([NaN], [1, 1]) });
   await settled();
   assert.deepEqual(told, [
     "no network",
@@ -298,15 +286,7 @@ test("raw camera access gives the matrix that the service lacks", async () => {
   ];
   const near = (found, wanted) =>
     found.forEach((value, n) => assert.ok(Math.abs(value - wanted[n]) < 1e-4, `${found} is not ${wanted}`));
-  const device = {
-    img_size: [640, 480],
-    camera_matrix: [
-      [498, 0, 321],
-      [0, 498, 241],
-      [0, 0, 1],
-    ],
-  };
-  session.seen = shown(device);
+  session.seen = shown(calibrationOf([498], [321, 241], { img_size: [640, 480] }));
   const [k, ...distortion] = look(global, session);
   near(k, [498, 0, 0, 0, 498, 0, 321, 241, 1]);
   assert.deepEqual(distortion, [null, null]);
@@ -323,14 +303,7 @@ test("raw camera access gives the matrix that the service lacks", async () => {
     "the service's comes first",
   );
   // The phone is turned: what is known is of another picture.
-  session.seen = shown({
-    img_size: [480, 640],
-    camera_matrix: [
-      [498, 0, 238],
-      [0, 498, 321],
-      [0, 0, 1],
-    ],
-  });
+  session.seen = shown(calibrationOf([498], [238, 321], { img_size: [480, 640] }));
   near(look(global, session)[0], [498, 0, 0, 0, 498, 0, 238, 321, 1]);
   assert.deepEqual(
     calls.map(({ size }) => size),
