@@ -7,9 +7,13 @@ import { lensDifference } from "../../web/lib/lens-difference.js";
 import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
+import { askPhoneModel, modelsOf, phoneModel } from "../../web/lib/phone-model.js";
+import { countsOf } from "../../web/landing/counts.js";
+import { BITS } from "../../web/landing/capture-loop.js";
+import { DEFAULT_BOARD, markers } from "../../web/lib/board.js";
+import { markerBits } from "../../web/lib/board-drawing.js";
 import { keepHere } from "./globals.mjs";
 import { calibrationOf } from "./scenes.mjs";
-import { askPhoneModel, modelsOf, phoneModel } from "../../web/lib/phone-model.js";
 
 const lens = (f, cx) => calibrationOf([f], [cx, 360], { distortion_coefficients: [-0.1, 0.02, 0, 0, 0] });
 
@@ -210,4 +214,26 @@ test("only ambiguous iPhones are asked about", async (t) => {
     "",
     "who does not know is not asked again",
   );
+});
+
+test("cameras and those ready at any size are counted", () => {
+  const size = (reliable, calibrations) => ({ reliable, calibrations });
+  const cameras = [
+    { sizes: [size(true, 6), size(false, 2)] },
+    { sizes: [size(false, 1)] },
+    { sizes: [size(true, 5), size(true, 7)] },
+  ];
+  assert.deepEqual(countsOf(cameras, false), { cameras: 3, ready: 2, calibrations: 21, more: false });
+  assert.deepEqual(countsOf([], false), { cameras: 0, ready: 0, calibrations: 0, more: false });
+});
+
+test("the board of the loop has the markers of the default board", () => {
+  const bits = markers(DEFAULT_BOARD).map(({ id }) =>
+    markerBits(DEFAULT_BOARD.dictionary, id)
+      .flat()
+      .reduce((all, bit) => 2 * all + Number(bit), 0)
+      .toString(16)
+      .padStart(4, "0"),
+  );
+  assert.equal(BITS, bits.join(""));
 });

@@ -4,9 +4,16 @@ import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
 import { questionOf } from "../../web/photos/likely.js";
-import { sortByGain, rankByNovelty } from "../../web/lib/rank.js";
+import { rankByNovelty, sortByGain } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
+import { playedFrames } from "../../web/photos/video-frames.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
+import { drawnBoard } from "../../web/photos/wanted.js";
+import { transformPoint } from "../../web/lib/pose.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { Sessions } from "./sessions.mjs";
+import { setGlobals } from "./globals.mjs";
+import { isInside } from "./scenes.mjs";
 
 function tiff({
   little,
@@ -279,3 +286,103 @@ test("the first photo that names its camera is looked up", () => {
   });
   assert.equal("reported" in questionOf([{ ...phone, focal35: 0 }]), false);
 });
+
+const SCREEN_HZ = 60;
+
+/** A video of `count` frames; rate and what the browser decodes (capacity) in frames/s. */
+function film({ rate, count, capacity }) {
+  const listeners = {};
+  const video = {
+    duration: count / rate,
+    playbackRate: 1,
+    currentTime: 0,
+    paused: true,
+    shown: 0,
+    played: 0,
+    addEventListener: (name, call) => (listeners[name] = call),
+    requestVideoFrameCallback: (call) => (video.callback = call),
+    pause: () => (video.paused = true),
+    play: async () => {
+      video.paused = false;
+    },
+  };
+  let [at, lastFrame, budget] = [0, 0, 0];
+  const tick = () => {
+    if (video.paused) return;
+    video.played += 1 / SCREEN_HZ;
+    at += video.playbackRate / SCREEN_HZ;
+    budget = Math.min(1, budget + capacity / SCREEN_HZ);
+    const frame = Math.floor(at * rate);
+    if (frame >= count) return listeners.ended?.();
+    if (frame === lastFrame || budget < 1) return;
+    [lastFrame, budget] = [frame, budget - 1];
+    video.shown++;
+    const call = video.callback;
+    video.callback = null;
+    call?.(0, { mediaTime: frame / rate });
+  };
+  return { video, tick };
+}
+
+/** `refreshes` of the screen are needed to look at a picture. */
+async function watch(t, options, refreshes = 1) {
+  const { video, tick } = film(options);
+  const document = { hidden: false, addEventListener() {} };
+  setGlobals(t, { document, createImageBitmap: async () => ({ close() {} }) });
+  const times = [];
+  const timer = setInterval(tick, 0);
+  for await (const { time } of playedFrames(video, 120, new AbortController().signal)) {
+    times.push(time);
+    const until = video.played + refreshes / SCREEN_HZ;
+    while (video.played < until && !video.paused) await new Promise(setImmediate);
+  }
+  clearInterval(timer);
+  return { times, played: video.played };
+}
+
+test("a long video is played faster without losing frames", async (t) => {
+  const { times, played } = await watch(t, { rate: 24, count: 260, capacity: 60 });
+  assert.ok(times.length >= 116, `${times.length} frames`);
+  assert.ok(played < 0.6 * (260 / 24), `${played} s`);
+});
+
+test("a browser that misses frames is given the time that it needs", async (t) => {
+  const { times } = await watch(t, { rate: 6, count: 57, capacity: 14 });
+  assert.ok(times.length >= 54, `${times.length} frames of 57`);
+  assert.equal(new Set(times).size, times.length);
+});
+
+const POSE = { rvec: [0.3, -0.4, 0.05], tvec: [-5.5, -3.5, 9] };
+/** A lens whose model folds the edge of the board back: a fit of few views may say that. */
+const FOLDING = projectionOf({ fx: 900, fy: 900, cx: 640, cy: 360, k1: -0.5, k2: 0.1, p1: 0, p2: 0, k3: 0 });
+
+for (const board of [
+  DEFAULT_BOARD,
+  { ...DEFAULT_BOARD, squares: [4, 5], inverted: true },
+  { ...DEFAULT_BOARD, kind: "chessboard", squares: [9, 7] },
+]) {
+  test(`the squares and markers of a drawn board lie within its rim: ${JSON.stringify(board)}`, () => {
+    const places = corners(board);
+    const project = (place) => FOLDING.project(transformPoint(POSE, [...place, 0]));
+    const pose = {
+      ids: places.map((_, id) => id),
+      corners: places.map(project),
+      outline: [
+        [0, 0],
+        [1, 0],
+        [1, 1],
+        [0, 1],
+      ],
+    };
+    const { rim, black } = drawnBoard(board, pose);
+    const centres = black.map((polygon) =>
+      [0, 1].map((k) => polygon.reduce((sum, point) => sum + point[k], 0) / polygon.length),
+    );
+    assert.ok(centres.every((centre) => isInside(centre, rim)));
+    assert.ok(pose.corners.every((corner) => isInside(corner, rim)));
+    assert.ok(black.length > (board.kind === "chessboard" ? 30 : 100));
+    const some = pose.ids.filter((id) => id % 5 !== 0);
+    const part = drawnBoard(board, { ...pose, ids: some, corners: some.map((id) => pose.corners[id]) });
+    assert.equal(part.black.length, black.length);
+  });
+}

@@ -1,7 +1,18 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { readFileSync } from "node:fs";
 import { interpolatePose, perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
+import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
+import { matchPose } from "../../web/lib/virtual/match.js";
+import { decide } from "../../web/calibrate/guidance.js";
+import { nextPlanned } from "../../web/calibrate/plan.js";
+import { initial, reduce } from "../../web/calibrate/reducer.js";
+import { isEnough } from "../../web/calibrate/state.js";
+import { motion } from "../../web/lib/capture/stillness.js";
+import { lenienceAfter } from "../../web/lib/capture/target.js";
+import { see } from "./scenes.mjs";
 
 test("half way and then all of it is the whole way", () => {
   const [from, to] = [
@@ -43,3 +54,122 @@ test("an address sets the frame rate within limits", () => {
   const rate = (address) => setupFrom(new URLSearchParams(address)).rate;
   assert.deepEqual(["", "rate=10", "rate=0", "rate=1e9", "rate=x"].map(rate), [30, 10, 2, 60, 30]);
 });
+
+const LENS = { fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0, p2: 0, k3: 0 };
+const PIVOT = [4.5, 3, 0];
+const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
+const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
+const CORNERS = corners(DEFAULT_BOARD);
+const ids = CORNERS.map((_, id) => id);
+const rms = (a, b) =>
+  Math.sqrt(a.reduce((sum, [x, y], i) => sum + (x - b[i][0]) ** 2 + (y - b[i][1]) ** 2, 0) / a.length);
+const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });
+
+test("the board covers an outline drawn for another lens", () => {
+  const drawn = { ...LENS, fx: 1000, fy: 1000, cx: 639.5, cy: 359.5, k1: 0, k2: 0 };
+  const target = { ...TARGET, ids, corners: see(drawn, TARGET, CORNERS) };
+  assert.ok(rms(see(LENS, TARGET, CORNERS), target.corners) > 60, "the numbers alone lead far away");
+  assert.ok(rms(see(LENS, matchPose(DEFAULT_BOARD, LENS, target), CORNERS), target.corners) < 12);
+  assert.ok(rms(see(drawn, matchPose(DEFAULT_BOARD, drawn, target), CORNERS), target.corners) < 1e-6);
+  assert.deepEqual(matchPose(DEFAULT_BOARD, LENS, TARGET), { rvec: TARGET.rvec, tvec: TARGET.tvec });
+});
+
+test("a hand arrives on time and trembles as specified", () => {
+  for (const [kind, { travel, tremor, sway, astray }] of Object.entries(HANDS)) {
+    const one = hand(kind);
+    one.follow(TARGET, 1000);
+    const settled = 1000 + travel + astray + 10;
+    one.pose(1000 + astray + 1);
+    const away = Array.from({ length: 12 }, (_, i) =>
+      rms(see(LENS, one.pose(settled + 110 * i), CORNERS), see(LENS, TARGET, CORNERS)),
+    );
+    const limit = 2.5 * (tremor + sway);
+    assert.ok(Math.max(...away) <= limit + 1e-9, `${kind}: ${Math.max(...away)} px`);
+    assert.ok(tremor === 0 || Math.max(...away) > tremor, kind);
+    assert.equal(one.moves(settled), tremor > 0);
+  }
+});
+
+test("a hand that goes astray is on the other side first", () => {
+  const one = hand("wrong");
+  one.follow(TARGET, 0);
+  const side = (time) => transformPoint(one.pose(time), PIVOT)[0];
+  const [goal] = transformPoint(TARGET, PIVOT);
+  assert.ok(Math.sign(side(3_000)) === -Math.sign(goal));
+  assert.ok(Math.abs(side(6_000) - goal) < 0.05);
+});
+
+test("a hand's way does not depend on painted frames", () => {
+  const [seldom, often] = ["person", "person"].map((kind) => hand(kind, 1));
+  for (let i = 0; i < 50; i++) often.blur();
+  for (const each of [seldom, often]) each.follow(TARGET, 1000);
+  assert.deepEqual(often.pose(3000), seldom.pose(3000));
+  assert.ok(Array.from({ length: 100 }, () => often.blur()).some((px) => px > 0));
+});
+
+const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
+const [WIDTH, HEIGHT] = [1280, 720];
+const WEBCAM = { ...LENS, fx: 1000, fy: 1000, cy: 359.5, k2: 0 };
+const KEY = { camera: "Test", platform: "X11", img_size: [WIDTH, HEIGHT], zoom: 0 };
+const FRAME = 1000 / 15; // ms
+const LIMIT = 180_000; // ms
+const NOISE = 0.1; // px
+
+/** Corners that the detector would find in the picture; none where it is smeared. */
+function seen(pose, blur, random) {
+  const ids = [];
+  const points = [];
+  if (blur === 0) {
+    see(WEBCAM, pose, CORNERS).forEach(([u, v], id) => {
+      if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
+      ids.push(id);
+      points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);
+    });
+  }
+  return { ids, points, markers: ids.length, size: [WIDTH, HEIGHT], elapsed: 15, memory: 1 };
+}
+
+/** A whole capture by the page's own targets, frame by frame, as the capture loop runs it. */
+function capture(kind, seed) {
+  const random = seededRandom(seed);
+  const hand = new Hand(kind, { error: 1, seed, pivot: PIVOT, focal: WEBCAM.fx, start: START });
+  let state = initial(DEFAULT_BOARD, { camera: null, img_size: null, distortion_model: "rectilinear" });
+  const dispatch = (event) => (state = reduce(state, event));
+  let [planned, skipped, time] = [0, 0, 0];
+  const next = () => {
+    const found = nextPlanned(PLAN, planned, DEFAULT_BOARD, KEY.img_size, null);
+    planned = found.next;
+    dispatch({ type: "pose", pose: found.pose, picture: null, time });
+    hand.follow(matchPose(DEFAULT_BOARD, WEBCAM, found.pose), time);
+  };
+  dispatch({ type: "open" });
+  dispatch({ type: "opened", key: KEY, mirrored: false, cropped: false });
+  dispatch({ type: "opened-offline", stored: 0, time });
+  next();
+  for (; time < LIMIT && !isEnough(state); time += FRAME) {
+    const detection = seen(hand.pose(time), hand.blur(), random);
+    dispatch({ type: "frame", detection, time });
+    const action = decide(state, time);
+    if (action === "skip") {
+      skipped += 1;
+      next();
+    }
+    if (action !== "submit") continue;
+    const view = seen(hand.pose(time + FRAME), 0, random);
+    if (motion(state.sight.corners, view) > 3 * lenienceAfter(time - state.capture.posedAt)) continue;
+    dispatch({ type: "stored", corners: view, stored: state.link.stored + 1, time });
+    if (!isEnough(state)) next();
+  }
+  return { views: state.link.stored, seconds: time / 1000, skipped };
+}
+
+// Eight views without the service, each a way to the target and a hold of 0.7 s.
+const WITHIN = { still: 12, person: 20, shaky: 70, slow: 75, wrong: 30 }; // s
+
+for (const [kind, limit] of Object.entries(WITHIN)) {
+  test(`a ${kind} hand comes to the end by itself`, () => {
+    const { views, seconds, skipped } = capture(kind, 1);
+    assert.equal(views, 8, `${views} views in ${seconds} s`);
+    assert.ok(seconds < limit, `${seconds.toFixed(1)} s, ${skipped} given up`);
+  });
+}
