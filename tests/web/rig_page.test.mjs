@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, OfflineError } from "../../web/lib/api.js";
 import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
-import { composePoses, invertPose } from "../../web/lib/pose.js";
+import { composePoses } from "../../web/lib/pose.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
 import { MOVING } from "../../web/lib/capture/stillness.js";
 import { intrinsicsOf } from "../../web/lib/virtual/lens.js";
@@ -12,7 +12,6 @@ import { answer, isReady, remoteHold, requiredHold } from "../../web/rig/moments
 import { Outbox } from "../../web/rig/outbox.js";
 import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "../../web/rig/progress.js";
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
-import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
 import { cornersSeen, see } from "./scenes.mjs";
 import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
@@ -231,10 +230,7 @@ test("the simulated board covers the target in the first camera", () => {
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
   const off = see(lens, found, places).map(([u, v], id) => Math.hypot(u - corners[id][0], v - corners[id][1]));
   assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
-  const clumsy = new URLSearchParams("error=1");
-  assert.deepEqual(boardPose([target], DEFAULT_BOARD, clumsy), boardPose([target], DEFAULT_BOARD, clumsy));
   assert.equal(boardPose([], DEFAULT_BOARD, parameters), null);
-  assert.equal(new Set([0, 1, 2, 3, 4, 5, 6, 7].map((position) => JSON.stringify(cameraPose(position)))).size, 8);
 });
 
 test("a board seen by any camera of the rig is found where it is", () => {
@@ -254,13 +250,6 @@ test("a board seen by any camera of the rig is found where it is", () => {
   const { distance, distanceStd, angle } = relationOf(extrinsics[1]);
   assert.ok(Math.abs(distance - Math.hypot(...cameraPose(1).tvec)) < 1e-12 && distanceStd > 0.01 && distanceStd < 0.03);
   assert.ok(angle > 9 && angle < 11);
-  const scene = sceneOf(calibrations, extrinsics, [found], DEFAULT_BOARD, 1);
-  assert.deepEqual(
-    scene.bodies.map(({ kind }) => kind),
-    ["floor", "board", "camera", "camera", "axis", "axis", "axis"],
-  );
-  const back = composePoses(invertPose(board), board);
-  assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
 });
 
 test("the halves of a stereo picture are named cameras", () => {

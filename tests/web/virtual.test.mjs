@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readFileSync } from "node:fs";
-import { interpolatePose, perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
+import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
@@ -13,15 +13,6 @@ import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/lib/capture/stillness.js";
 import { lenienceAfter } from "../../web/lib/capture/target.js";
 import { see } from "./scenes.mjs";
-
-test("half way and then all of it is the whole way", () => {
-  const [from, to] = [
-    { rvec: [0.1, 0.2, -0.1], tvec: [1, 2, 9] },
-    { rvec: [-0.5, 0.6, 0.4], tvec: [0, 1, 5] },
-  ];
-  const there = interpolatePose(interpolatePose(from, to, 0.5), to, 1);
-  there.rvec.forEach((value, index) => assert.ok(Math.abs(value - to.rvec[index]) < 1e-12));
-});
 
 test("a hand misses by about 3° and 3 %, reproducibly", () => {
   const target = { rvec: [0.5, -0.3, 0.1], tvec: [-4, -3, 10] };
