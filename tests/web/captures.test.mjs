@@ -17,7 +17,7 @@ import "./messages.mjs";
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
 const VIEW = { set_aside: false };
-/** Has the page's requests answered. */
+/** Answers the requests of a page. */
 function serve(t) {
   const service = new Sessions();
   t.mock.method(globalThis, "fetch", async (address, request) =>
@@ -114,7 +114,7 @@ test("a network that is back is used at once, and a renewed session reported", a
   );
 });
 
-/** What a page hears of a request, if the service has the session in another state. */
+/** Events of a page whose request finds the session in another state. */
 async function heard(request) {
   const events = [];
   const session = { renewals: 0, resume: async () => ({ state: "as the service has it" }) };
