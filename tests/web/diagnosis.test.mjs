@@ -6,7 +6,7 @@ import { HEALTHY, diagnose } from "../../web/lib/capture/sight.js";
 import { blackSquares } from "../../web/lib/capture/marks.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
-import { METRICS, cornersSeen, see } from "./scenes.mjs";
+import { METRICS, cornersSeen, rectangle, see } from "./scenes.mjs";
 import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
@@ -156,20 +156,10 @@ test("the metrics of a frame are read from it", () => {
 });
 
 test("arrows go from the board as seen to the target, about what is said", () => {
-  const aim = [
-    [100, 100],
-    [300, 100],
-    [300, 200],
-    [100, 200],
-  ];
+  const aim = rectangle(100, 100, 200, 100);
   const moved = aim.map(([x, y]) => [x + 200, y]);
   assert.deepEqual(arrows("left", moved, aim, 1280), [[400, 150, 200, 150]]);
-  const small = [
-    [150, 125],
-    [250, 125],
-    [250, 175],
-    [150, 175],
-  ];
+  const small = rectangle(150, 125, 100, 50);
   assert.deepEqual(
     arrows("closer", small, aim, 1280).map(([, , x, y]) => [x, y]),
     aim,

@@ -17,7 +17,7 @@ import { convexHull, hatching } from "../../web/lib/result/hull.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
 import "./messages.mjs";
 import { ticks } from "../../web/lib/svg.js";
-import { calibrationOf, isInside } from "./scenes.mjs";
+import { calibrationOf, isInside, rectangle } from "./scenes.mjs";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
 
@@ -112,12 +112,7 @@ test("an error is a part of a pixel, a length and an angle", () => {
 });
 
 test("the convex hull is hatched around, not inside", () => {
-  const square = [
-    [20, 20],
-    [80, 20],
-    [80, 60],
-    [20, 60],
-  ];
+  const square = rectangle(20, 20, 60, 40);
   const hull = convexHull([...square, [50, 40], [20, 30], [70, 20]]);
   assert.deepEqual(new Set(hull.map(String)), new Set(square.map(String)));
   for (const [[a, b], [c, d]] of hatching(hull, [100, 80], 7)) assert.ok(!isInside([(a + c) / 2, (b + d) / 2], square));

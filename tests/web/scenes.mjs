@@ -32,6 +32,14 @@ export function cornersSeen(board, lens, pose) {
   return { ids: points.map((_, id) => id), points };
 }
 
+/** Vertices of a rectangle, clockwise from the upper left. */
+export const rectangle = (left, top, width, height = width) => [
+  [left, top],
+  [left + width, top],
+  [left + width, top + height],
+  [left, top + height],
+];
+
 /** Grey picture of a board; pose null: of a wall. */
 export function photograph(board, lens, [width, height], pose) {
   const rgba = new Uint8ClampedArray(4 * width * height);

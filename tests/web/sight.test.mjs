@@ -8,7 +8,7 @@ import { BoardWatch } from "../../web/lib/capture/board-watch.js";
 import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
 import { foreshortening, observedOutline } from "../../web/lib/board-outline.js";
 import { apply, homography } from "../../web/lib/homography.js";
-import { METRICS, see } from "./scenes.mjs";
+import { METRICS, rectangle, see } from "./scenes.mjs";
 
 const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
 
@@ -130,15 +130,9 @@ test("the edge named is the one that is nearer in the target", () => {
 });
 
 const SIZE = [1280, 720];
-const box = (x, y, w, h) => [
-  [x, y],
-  [x + w, y],
-  [x + w, y + h],
-  [x, y + h],
-];
 
 test("areas overlap within the picture, in either winding", () => {
-  const board = box(300, 200, 300, 200);
+  const board = rectangle(300, 200, 300, 200);
   const diamond = [
     [640, 160],
     [840, 360],
@@ -149,11 +143,11 @@ test("areas overlap within the picture, in either winding", () => {
   for (const [one, other, share, error] of [
     [board, board, 1, 0],
     [board, [...board].reverse(), 1, 0],
-    [box(100, 100, 200, 200), box(700, 100, 200, 200), 0, 0],
+    [rectangle(100, 100, 200, 200), rectangle(700, 100, 200, 200), 0, 0],
     [[], [], 0, 0],
-    [box(-900, -500, 1540, 860), box(0, 0, 640, 360), 1, 0],
-    [box(101, 99, 400, 300), box(202, 174, 400, 300), shifted, 0.01],
-    [diamond, box(440, 160, 400, 400), 0.5, 0.01],
+    [rectangle(-900, -500, 1540, 860), rectangle(0, 0, 640, 360), 1, 0],
+    [rectangle(101, 99, 400, 300), rectangle(202, 174, 400, 300), shifted, 0.01],
+    [diamond, rectangle(440, 160, 400, 400), 0.5, 0.01],
   ]) {
     const found = jaccard(one, other, SIZE);
     assert.ok(Math.abs(found - share) <= error, `${found}, not ${share}`);
@@ -179,15 +173,7 @@ const charuco = (board, more = {}, rows = Infinity) => ({
     .filter(({ y }) => y < rows)
     .map(({ id, x, y }) => {
       const [left, top, side] = [200 + 60 * x + 10, 100 + 60 * y + 10, 40];
-      return {
-        id,
-        corners: [
-          [left, top],
-          [left + side, top],
-          [left + side, top + side],
-          [left, top + side],
-        ],
-      };
+      return { id, corners: rectangle(left, top, side) };
     }),
 });
 const after = (expected, ...sightings) => {

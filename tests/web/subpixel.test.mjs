@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { refine, refineCorner, squareSizes } from "../../web/lib/subpixel.js";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { markerBits } from "../../web/lib/board-drawing.js";
-import { cornersSeen, photograph } from "./scenes.mjs";
+import { cornersSeen, photograph, rectangle } from "./scenes.mjs";
 import { readMarkers } from "../../web/lib/marker-reader.js";
 
 const SIZE = [640, 360];
@@ -76,15 +76,9 @@ function drawn(family, id, { border = 1, quarters = 0, mirrored = false } = {}) 
       data[(from + y) * width + from + x] = white ? 220 : 30;
     }
   }
-  const [low, high] = [from, from + count * CELL - 1];
   return {
     image: { width, height: width, data },
-    quad: [
-      [low, low],
-      [high, low],
-      [high, high],
-      [low, high],
-    ],
+    quad: rectangle(from, from, count * CELL - 1),
   };
 }
 
