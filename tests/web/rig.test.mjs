@@ -13,6 +13,7 @@ import {
   transform,
 } from "../../web/sdk/motion.js";
 import { rectify, rectifiedMotions } from "../../web/sdk/stereo.js";
+import { Matrix4, Vector3 } from "three";
 import { json } from "./globals.mjs";
 
 const read = (name) => JSON.parse(readFileSync(new URL(name, import.meta.url), "utf8"));
@@ -174,14 +175,11 @@ test("real corners lie in one row, and squares have their size", (t) => {
 
 test("a pair that has no rectified pictures says why", async () => {
   const cameras = { left: REAL.left, right: REAL.right };
-  assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 0, 0], tvec: [0, 0, 0] }), {
-    name: "RectificationError",
-    message: /in one place/,
-  });
-  assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 2.9, 0], tvec: [-1, 0, 0] }), {
-    name: "RectificationError",
-    message: /directions too far apart/,
-  });
+  for (const [rvec, tvec, message] of [
+    [[0, 0, 0], [0, 0, 0], /in one place/],
+    [[0, 2.9, 0], [-1, 0, 0], /directions too far apart/],
+  ])
+    assert.throws(() => rectify(REAL.left, REAL.right, { rvec, tvec }), { name: "RectificationError", message });
   for (const unknown of [undefined, {}, cameras])
     await assert.rejects(rectifyPair({}, {}, unknown), /a rig, or { left, right, pose }/);
   await assert.rejects(rectifyPair({}, {}, new Rig(RESULT), { positions: [0, 2] }), /no camera 2/);
@@ -190,28 +188,19 @@ test("a pair that has no rectified pictures says why", async () => {
     rectifyPair(odd, odd, { ...cameras, pose: REAL.pose }, { canvases: [{}, {}] }),
     /the left picture has 640 x 640 px, its calibration is for 640 x 480 px/,
   );
-  const packed = rectifyPair({ width: 640, height: 480 }, odd, new Rig(RESULT), {
-    packing: "beside",
-    canvases: [{}, {}],
-  });
-  await assert.rejects(packed, /the left picture has 640 x 480 px, its calibration is for 1280 x 480 px/);
+  await assert.rejects(
+    rectifyPair({ width: 640, height: 480 }, odd, new Rig(RESULT), { packing: "beside", canvases: [{}, {}] }),
+    /the left picture has 640 x 480 px, its calibration is for 1280 x 480 px/,
+  );
 });
 
 /** Pixel at which a view draws a point of the world, from its picture's top-left corner. */
-function drawn(
-  {
-    projectionMatrix: p,
-    transform: {
-      inverse: { matrix: m },
-    },
-  },
-  [x, y, z],
-  [width, height],
-) {
-  const times = (a, v) => [0, 1, 2, 3].map((row) => v.reduce((sum, value, k) => sum + a[4 * k + row] * value, 0));
-  const [a, b, , w] = times(p, times(m, [x, y, z, 1]));
-  return [((a / w + 1) / 2) * width - 0.5, ((1 - b / w) / 2) * height - 0.5];
+function drawn({ projectionMatrix, transform: { inverse } }, point, [width, height]) {
+  const there = new Vector3(...point).applyMatrix4(new Matrix4().fromArray(inverse.matrix));
+  const { x, y } = there.applyMatrix4(new Matrix4().fromArray(projectionMatrix));
+  return [((x + 1) / 2) * width - 0.5, ((1 - y) / 2) * height - 0.5];
 }
+const positionOf = ({ transform: { position } }) => [position.x, position.y, position.z];
 
 test("views of both eyes see the world as their cameras do", () => {
   const found = new Rig(RESULT);
@@ -231,14 +220,9 @@ test("views of both eyes see the world as their cameras do", () => {
     assert.ok(difference([...view.cameraMatrix], [fx, 0, 0, 0, fy, 0, cx, cy, 1]) < 1e-3);
   });
   const centre = invert(rigidMotion(found.pose(1))).t;
-  const {
-    position,
-    orientation: { x, y, z, w },
-  } = right.transform;
-  assert.ok(
-    difference([position.x, position.y, position.z], [centre[0], -centre[1], -centre[2]]) < 1e-12 && position.w === 1,
-  );
-  assert.ok(Math.abs(Math.hypot(x, y, z, w) - 1) < 1e-12);
+  const { position, orientation } = right.transform;
+  assert.ok(difference(positionOf(right), [centre[0], -centre[1], -centre[2]]) < 1e-12 && position.w === 1);
+  assert.ok(Math.abs(Math.hypot(...Object.values(orientation)) - 1) < 1e-12);
 });
 
 test("the left eye is on the left, and both follow a pose", () => {
@@ -254,16 +238,7 @@ test("the left eye is on the left, and both follow a pose", () => {
   const turn = rotationMatrix([0, Math.PI / 2, 0]);
   const pose = [turn[0], turn[3], turn[6], 0, turn[1], turn[4], turn[7], 0, turn[2], turn[5], turn[8], 0, 2, 0, 0, 1];
   const found = new Rig(RESULT);
-  const [at, moved] = [found.views(), found.views({ pose })].map(
-    ([
-      ,
-      {
-        transform: {
-          position: { x, y, z },
-        },
-      },
-    ]) => [x, y, z],
-  );
+  const [at, moved] = [found.views(), found.views({ pose })].map(([, right]) => positionOf(right));
   assert.ok(
     difference(
       moved,
