@@ -163,22 +163,12 @@ test("SDK and pages ask again after the same answers", async () => {
 });
 
 test("a broken answer is retried, and another service's is not taken", async () => {
-  const broken = () =>
-    new Response(
-      new ReadableStream({
-        start(controller) {
-          controller.enqueue(new TextEncoder().encode('{"img_size": ['));
-          controller.error(new TypeError("network error"));
-        },
-      }),
-      { headers: { "content-type": "application/json" } },
-    );
-  const { asked, options } = service(Object.assign(broken(), { clone: broken }), json(200, KNOWN));
+  const broken = new Response('{"img_size": [', { headers: { "content-type": "application/json" } });
+  const { asked, options } = service(broken, json(200, KNOWN));
   assert.ok((await lookup(KEY, options)).calibration);
   assert.equal(asked.length, 2);
-  const cut = service(new Response('{"img_size": [', { headers: { "content-type": "application/json" } }));
   await assert.rejects(
-    lookup(KEY, cut.options),
+    lookup(KEY, service(broken).options),
     ({ status, cause }) => status === 0 && cause.status === 0 && cause.cause instanceof SyntaxError,
   );
   const kept = new Map();
@@ -328,14 +318,7 @@ test("a picture of another size is looked up again", async (t) => {
   track.settings = { width: 640, height: 480 };
   t.mock.timers.tick(500);
   await turn(() => answers.length === 3);
-  assert.deepEqual(
-    asked.map(({ body }) => body.img_size),
-    [
-      [1280, 720],
-      [720, 1280],
-      [640, 480],
-    ],
-  );
+  assert.deepEqual(asked.map(({ body }) => body.img_size).join(), "1280,720,720,1280,640,480");
   signal.abort();
   track.settings = { width: 320, height: 240 };
   t.mock.timers.tick(5000);
@@ -347,30 +330,25 @@ test("a picture of another size is looked up again", async (t) => {
 test("a watched camera is looked up again after a failure that may pass", async (t) => {
   setGlobals(t, { navigator: { userAgent: "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0" } });
   const settle = async () => {
-    for (let turns = 0; turns < 20; turns++) await new Promise(setImmediate);
+    for (let turns = 0; turns < 20; turns++) await turn();
   };
-  for (const [status, calls] of [
-    [503, 2],
-    [403, 1],
-  ]) {
+  for (const status of [503, 403]) {
     t.mock.timers.enable({ apis: ["setInterval", "setTimeout"] });
     const answers = [];
     let failing = true;
-    const { asked, options } = service(() => (failing ? json(status, { title: "no" }) : json(200, KNOWN)));
+    const { options } = service(() => (failing ? json(status, {}) : json(200, KNOWN)));
     const stop = watch(camera({ width: 1280, height: 720 }), options, (answer) => answers.push(answer));
     await turn(() => answers.length === 1);
     assert.equal(answers[0].status, status);
     failing = false;
-    const before = asked.length;
     t.mock.timers.tick(29_000);
     await settle();
-    assert.equal(asked.length, before);
+    assert.equal(answers.length, 1);
     t.mock.timers.tick(2_000);
     // A lookup digests the camera's name in another thread: it takes an unknown number of turns.
-    await (calls === 1 ? settle() : turn(() => answers.length >= calls));
-    assert.equal(answers.length, calls, `${status}`);
-    assert.equal(asked.length, before + calls - 1);
-    if (calls === 2) assert.ok(answers[1].calibration);
+    if (status === 503) await turn(() => answers[1]?.calibration);
+    else await settle();
+    assert.equal(answers.length, status === 503 ? 2 : 1);
     stop();
     t.mock.timers.reset();
   }
