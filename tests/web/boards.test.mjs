@@ -22,7 +22,7 @@ import { boardPdf } from "../../web/lib/board-pdf.js";
 import { PAPERS, squareSide } from "../../web/lib/papers.js";
 import { refine, refineCorner, squareSizes } from "../../web/lib/subpixel.js";
 import { readMarkers } from "../../web/lib/marker-reader.js";
-import { cornersSeen, photograph, rectangle } from "./scenes.mjs";
+import { cornersSeen, distances, photograph, rectangle, rms } from "./scenes.mjs";
 
 const VIEW = [40, 6, 90, -4, 38, 320, 0.008, 0.011, 1]; // board to picture
 const APRILGRID = {
@@ -159,10 +159,11 @@ test("a whole chessboard is found to 0.05 px rms", () => {
   const { points: truth } = cornersSeen(CHESSBOARD, LENS, pose);
   const { ids, points } = findChessboard(picture, [10, 7]);
   assert.equal(ids.length, 54);
-  const errors = ids.map((id, n) => Math.hypot(points[n][0] - truth[id][0], points[n][1] - truth[id][1]));
-  const rms = Math.sqrt(errors.reduce((sum, error) => sum + error * error, 0) / errors.length);
-  assert.ok(rms < 0.05, `${rms} px`);
-  assert.ok(Math.max(...errors) < 0.2, `${Math.max(...errors)} px`);
+  const errors = distances(
+    points,
+    ids.map((id) => truth[id]),
+  );
+  assert.ok(rms(errors) < 0.05 && Math.max(...errors) < 0.2, `${errors} px`);
   assert.deepEqual(findChessboard(picture, [9, 7]).ids, []);
   assert.equal(findChessboard(picture, [10, 7], { full: false }).ids.length, 54);
   const seenBoard = recogniseChessboard(picture);
@@ -231,8 +232,7 @@ test("pages that detect boards name the command for circles", () => {
 });
 
 const FOOT = { bar: "100 mm", lines: ["9 × 6 Felder (28 mm)", "Eben muß sie sein."] };
-const none = () => null;
-const latin = (bytes) => Buffer.from(bytes).toString("latin1");
+const PDF = Buffer.from(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, () => null)).toString("latin1");
 
 test("squares are whole millimetres, as large as the paper allows", () => {
   assert.equal(squareSide(DEFAULT_BOARD, PAPERS.A4), 28);
@@ -240,41 +240,33 @@ test("squares are whole millimetres, as large as the paper allows", () => {
 });
 
 test("the cross-reference table points at the objects", () => {
-  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none));
-  const start = Number(/startxref\n(\d+)/.exec(text)[1]);
-  assert.equal(text.slice(start, start + 4), "xref");
-  const offsets = [...text.slice(start).matchAll(/^(\d{10}) 00000 n /gm)].map(([, offset]) => Number(offset));
+  const start = Number(/startxref\n(\d+)/.exec(PDF)[1]);
+  assert.equal(PDF.slice(start, start + 4), "xref");
+  const offsets = [...PDF.slice(start).matchAll(/^(\d{10}) 00000 n /gm)].map(([, offset]) => Number(offset));
   assert.equal(offsets.length, 5);
-  offsets.forEach((offset, index) => assert.ok(text.startsWith(`${index + 1} 0 obj`, offset)));
-  const stream = /stream\n(.*)\nendstream/s.exec(text)[1];
-  assert.equal(Number(/Length (\d+)/.exec(text)[1]), stream.length);
+  offsets.forEach((offset, index) => assert.ok(PDF.startsWith(`${index + 1} 0 obj`, offset)));
+  const stream = /stream\n(.*)\nendstream/s.exec(PDF)[1];
+  assert.equal(Number(/Length (\d+)/.exec(PDF)[1]), stream.length);
 });
 
 test("the page is A4 and the board on it true to scale", () => {
-  const text = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none));
-  const [, , width, height] = /MediaBox \[(.*?)\]/.exec(text)[1].split(" ").map(Number);
+  const [, , width, height] = /MediaBox \[(.*?)\]/.exec(PDF)[1].split(" ").map(Number);
   assert.ok(Math.abs(width - (297 * 72) / 25.4) < 0.01 && Math.abs(height - (210 * 72) / 25.4) < 0.01);
-  const rectangles = [...text.matchAll(/^(.+) re$/gm)].map(([, numbers]) => numbers.split(" ").map(Number));
+  const rectangles = [...PDF.matchAll(/^(.+) re$/gm)].map(([, numbers]) => numbers.split(" ").map(Number));
   const expected = blackRectangles(DEFAULT_BOARD);
   const side = (28 * 72) / 25.4;
   const left = Math.min(...rectangles.slice(0, expected.length).map(([x]) => x));
   const top = Math.max(...rectangles.slice(0, expected.length).map(([, y, , h]) => y + h));
   expected.forEach(([x, y, w, h], index) => {
     const [u, v, a, b] = rectangles[index];
-    for (const [is, should] of [
-      [u, left + x * side],
-      [v + b, top - y * side],
-      [a, w * side],
-      [b, h * side],
-    ]) {
-      assert.ok(Math.abs(is - should) < 2e-3, `rectangle ${index}: ${is}, not ${should} points`);
-    }
+    const off = [u - left - x * side, v + b - top + y * side, a - w * side, b - h * side];
+    assert.ok(Math.max(...off.map(Math.abs)) < 2e-3, `rectangle ${index} is ${off} points off`);
   });
   assert.ok(rectangles.slice(expected.length).some(([, , w]) => Math.abs(w - (100 * 72) / 25.4) < 1e-3));
 });
 
 test("captions are escaped", () => {
-  assert.ok(latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, FOOT, none)).includes("(9 × 6 Felder \\(28 mm\\)) Tj"));
+  assert.ok(PDF.includes("(9 × 6 Felder \\(28 mm\\)) Tj"));
 });
 
 const SIZE = [640, 360];
@@ -291,10 +283,8 @@ test("corners that start up to 0.8 px away come back to 0.1 px rms", () => {
   const started = points.map(([x, y], index) => [x + 0.8 * Math.cos(index), y + 0.8 * Math.sin(index)]);
   const { ids: kept, points: refined } = refine(image, { ids, points: started }, 8);
   assert.equal(kept.length, 40);
-  const errors = refined.map(([x, y], index) => Math.hypot(x - points[index][0], y - points[index][1]));
-  const rms = Math.sqrt(errors.reduce((sum, error) => sum + error ** 2, 0) / errors.length);
-  assert.ok(rms < 0.1, `rms ${rms.toFixed(3)} px`);
-  assert.ok(Math.max(...errors) < 0.2, `max ${Math.max(...errors).toFixed(3)} px`);
+  const errors = distances(refined, points);
+  assert.ok(rms(errors) < 0.1 && Math.max(...errors) < 0.2, `${errors} px`);
 });
 
 test("a corner that is not there is dropped", () => {

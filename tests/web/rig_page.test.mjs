@@ -13,7 +13,7 @@ import { Outbox } from "../../web/rig/outbox.js";
 import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "../../web/rig/progress.js";
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
-import { cornersSeen, see } from "./scenes.mjs";
+import { cornersSeen, distances, see } from "./scenes.mjs";
 import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
@@ -228,7 +228,7 @@ test("the simulated board covers the target in the first camera", () => {
     outline: [],
   };
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
-  const off = see(lens, found, places).map(([u, v], id) => Math.hypot(u - corners[id][0], v - corners[id][1]));
+  const off = distances(see(lens, found, places), corners);
   assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
   assert.equal(boardPose([], DEFAULT_BOARD, parameters), null);
 });

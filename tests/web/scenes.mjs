@@ -47,6 +47,12 @@ export function photograph(board, lens, [width, height], pose) {
   return { width, height, data: Uint8Array.from({ length: width * height }, (_, pixel) => rgba[4 * pixel]) };
 }
 
+/** Distances of points from others, one by one. */
+export const distances = (points, others) => points.map(([x, y], n) => Math.hypot(x - others[n][0], y - others[n][1]));
+
+/** Root of the mean square. */
+export const rms = (values) => Math.sqrt(values.reduce((sum, value) => sum + value * value, 0) / values.length);
+
 /** True if a polygon surrounds a point. */
 export function isInside([x, y], polygon) {
   let inside = false;

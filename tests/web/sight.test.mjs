@@ -8,7 +8,7 @@ import { BoardWatch } from "../../web/lib/capture/board-watch.js";
 import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
 import { foreshortening, observedOutline } from "../../web/lib/board-outline.js";
 import { apply, homography } from "../../web/lib/homography.js";
-import { METRICS, rectangle, see } from "./scenes.mjs";
+import { METRICS, distances, rectangle, see } from "./scenes.mjs";
 
 const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
 
@@ -46,29 +46,18 @@ test("a smeared frame is passed over in a hold", () => {
   assert.equal(observe(passed, at(100), 200, 1280).held, 200);
   assert.equal(observe(passed, at(108), 200, 1280), held);
   assert.equal(observe(passed, at(108), 250, 1280).held, 0);
-  assert.equal(observe(watch([100]), nothing, 50, 1280).anchor, nothing);
 });
 
 test("time that no frame shows does not count as held", () => {
   const every = (gap) => [0, 1, 2, 3].reduce((state, index) => observe(state, at(100), gap * index, 1280), MOVING);
   assert.equal(every(250).held, 750);
   assert.equal(every(600).held, 750);
-  assert.equal(every(600).seen, 1800);
 });
 
 test("too few common corners are no evidence of stillness", () => {
-  const few = {
-    ids: [0, 1, 7, 8],
-    points: [
-      [0, 0],
-      [1, 0],
-      [2, 0],
-      [3, 0],
-    ],
-  };
+  const few = { ids: [0, 1, 7, 8], points: at(100).points.slice(1) };
   assert.equal(motion(at(0), few), Infinity);
   assert.equal(observe(watch([100, 100]), few, 200, 1280).held, 0);
-  assert.equal(observe(watch([100, 100]), { ids: [], points: [] }, 200, 1280).held, 0);
 });
 
 const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
@@ -111,7 +100,6 @@ test("the largest difference is named first", () => {
   assert.equal(said([0, 0.5, 0], [0, 0, 7]), "farther");
   assert.equal(said([0, 0.45, -0.8], [0, 0, 11]), "turn_clockwise");
   assert.equal(said([0, 0, 0], [0, 0, 11]), "tilt_right");
-  assert.equal(said([0, 0.5, 0], [0, 0, 11]), "");
 });
 
 test("the edge named is the one that is nearer in the target", () => {
@@ -123,8 +111,6 @@ test("the edge named is the one that is nearer in the target", () => {
     [[-0.5, 0, 0], "bottom"],
   ]) {
     const target = held(rvec, [0, 0, 11]);
-    const side = { right: [9, 3], left: [0, 3], top: [4.5, 0], bottom: [4.5, 6] }[name];
-    assert.ok(transformPoint(target, [...side, 0])[2] < 11, `${name} is nearer`);
     assert.equal(advice(facing, seen(target)), `tilt_${name}`);
   }
 });
@@ -248,28 +234,9 @@ test("a plane seen by a pinhole is a homography, to 1e-8 px", () => {
 });
 
 test("points on a line, or fewer than four, determine none", () => {
-  assert.equal(
-    homography(
-      [
-        [0, 0],
-        [1, 0],
-        [0, 1],
-      ],
-      [
-        [0, 0],
-        [1, 0],
-        [0, 1],
-      ],
-    ),
-    null,
-  );
-  const line = [
-    [0, 0],
-    [1, 1],
-    [2, 2],
-    [3, 3],
-    [4, 4],
-  ];
+  const three = rectangle(0, 0, 1).slice(1);
+  assert.equal(homography(three, three), null);
+  const line = [0, 1, 2, 3, 4].map((n) => [n, n]);
   assert.equal(homography(line, line), null);
 });
 
@@ -278,20 +245,8 @@ test("the outline is found from a quarter of the corners to 2 % of the width", (
   const all = see(BARREL, POSE, corners(DEFAULT_BOARD));
   const seen = observedOutline(DEFAULT_BOARD, { ids, points: ids.map((id) => all[id]) });
   const truth = see(BARREL, POSE, outline(DEFAULT_BOARD));
-  seen.forEach(([x, y], index) => {
-    const error = Math.hypot(x - truth[index][0], y - truth[index][1]);
-    assert.ok(error < 0.02 * 1280, `vertex ${index} is ${error.toFixed(1)} px off`);
-  });
-  assert.equal(
-    observedOutline(DEFAULT_BOARD, {
-      ids: [0, 1],
-      points: [
-        [0, 0],
-        [9, 0],
-      ],
-    }),
-    null,
-  );
+  assert.ok(Math.max(...distances(seen, truth)) < 0.02 * 1280);
+  assert.equal(observedOutline(DEFAULT_BOARD, { ids: [0, 1], points: all.slice(0, 2) }), null);
 });
 
 test("foreshortening tells a facing board from a tilted one", () => {

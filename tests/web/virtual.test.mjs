@@ -12,7 +12,7 @@ import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/lib/capture/stillness.js";
 import { lenienceAfter } from "../../web/lib/capture/target.js";
-import { see } from "./scenes.mjs";
+import { distances, rms, see } from "./scenes.mjs";
 
 test("a hand misses by about 3° and 3 %, reproducibly", () => {
   const target = { rvec: [0.5, -0.3, 0.1], tvec: [-4, -3, 10] };
@@ -24,8 +24,7 @@ test("a hand misses by about 3° and 3 %, reproducibly", () => {
     const moved = transformPoint(perturbPose(target, 1, random, pivot), pivot);
     shifts.push(Math.hypot(...moved.map((value, k) => value - centre[k])) / Math.hypot(...centre));
   }
-  const rms = Math.sqrt(shifts.reduce((sum, shift) => sum + shift ** 2, 0) / shifts.length);
-  assert.ok(rms > 0.025 && rms < 0.035, `rms ${rms}`);
+  assert.ok(rms(shifts) > 0.025 && rms(shifts) < 0.035, `rms ${rms(shifts)}`);
   assert.deepEqual(perturbPose(target, 1, seededRandom(3), pivot), perturbPose(target, 1, seededRandom(3), pivot));
 });
 
@@ -52,16 +51,15 @@ const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
 const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
 const CORNERS = corners(DEFAULT_BOARD);
 const ids = CORNERS.map((_, id) => id);
-const rms = (a, b) =>
-  Math.sqrt(a.reduce((sum, [x, y], i) => sum + (x - b[i][0]) ** 2 + (y - b[i][1]) ** 2, 0) / a.length);
+const apart = (points, others) => rms(distances(points, others));
 const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });
 
 test("the board covers an outline drawn for another lens", () => {
   const drawn = { ...LENS, fx: 1000, fy: 1000, cx: 639.5, cy: 359.5, k1: 0, k2: 0 };
   const target = { ...TARGET, ids, corners: see(drawn, TARGET, CORNERS) };
-  assert.ok(rms(see(LENS, TARGET, CORNERS), target.corners) > 60, "the numbers alone lead far away");
-  assert.ok(rms(see(LENS, matchPose(DEFAULT_BOARD, LENS, target), CORNERS), target.corners) < 12);
-  assert.ok(rms(see(drawn, matchPose(DEFAULT_BOARD, drawn, target), CORNERS), target.corners) < 1e-6);
+  assert.ok(apart(see(LENS, TARGET, CORNERS), target.corners) > 60, "the numbers alone lead far away");
+  assert.ok(apart(see(LENS, matchPose(DEFAULT_BOARD, LENS, target), CORNERS), target.corners) < 12);
+  assert.ok(apart(see(drawn, matchPose(DEFAULT_BOARD, drawn, target), CORNERS), target.corners) < 1e-6);
   assert.deepEqual(matchPose(DEFAULT_BOARD, LENS, TARGET), { rvec: TARGET.rvec, tvec: TARGET.tvec });
 });
 
@@ -72,7 +70,7 @@ test("a hand arrives on time and trembles as specified", () => {
     const settled = 1000 + travel + astray + 10;
     one.pose(1000 + astray + 1);
     const away = Array.from({ length: 12 }, (_, i) =>
-      rms(see(LENS, one.pose(settled + 110 * i), CORNERS), see(LENS, TARGET, CORNERS)),
+      apart(see(LENS, one.pose(settled + 110 * i), CORNERS), see(LENS, TARGET, CORNERS)),
     );
     const limit = 2.5 * (tremor + sway);
     assert.ok(Math.max(...away) <= limit + 1e-9, `${kind}: ${Math.max(...away)} px`);
