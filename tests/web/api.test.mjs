@@ -3,20 +3,19 @@ import { createServer } from "node:http";
 import { test } from "node:test";
 import { isOffline, reach } from "../../web/lib/network.js";
 import { Api, ApiError, OfflineError } from "../../web/lib/api.js";
-import { json } from "./globals.mjs";
+import { inTurn, json } from "./globals.mjs";
 
 /** A service that answers from a list, and remembers what it was asked and how long it was waited for. */
-function service(answers) {
+function service(answers, transport = {}) {
   const calls = [];
   const waits = [];
   const api = new Api("/v1/", {
     fetch: async (_, { body }) => {
       calls.push(body);
-      const answer = typeof answers === "function" ? answers() : answers.shift();
-      if (answer instanceof Error) throw answer;
-      return answer;
+      return inTurn(answers);
     },
     wait: async (ms) => void waits.push(ms),
+    ...transport,
   });
   return { api, calls, waits };
 }
@@ -46,7 +45,7 @@ test("an hour that is used up is said at once", async () => {
 });
 
 test("retries end after a minute", async () => {
-  const { api, waits } = service(() => new OfflineError());
+  const { api, waits } = service([new OfflineError()]);
   await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
   assert.equal(
     waits.reduce((sum, ms) => sum + ms),
@@ -70,13 +69,10 @@ test("a refusal is said in the service's words and not repeated", async () => {
 
 test("whoever gets through ends the waiting, also of a call that gave up", async () => {
   const retries = [];
-  const answers = [new OfflineError(), new OfflineError(), new OfflineError(), json(200, {}), json(200, {})];
-  const fetch = async () => {
-    const answer = answers.shift();
-    if (answer instanceof Error) throw answer;
-    return answer;
-  };
-  const api = new Api("/v1", { fetch, wait: async () => {}, onRetry: (now) => retries.push(now?.attempt ?? 0) });
+  const lost = new OfflineError();
+  const { api } = service([lost, lost, lost, json(200, {}), json(200, {})], {
+    onRetry: (now) => retries.push(now?.attempt ?? 0),
+  });
   await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
   await api.json("GET", "/session", "sid", { brief: true });
   await api.json("GET", "/session", "sid", { brief: true });
@@ -84,7 +80,7 @@ test("whoever gets through ends the waiting, also of a call that gave up", async
 });
 
 test("a brief call gives up a silent server after one wait", async () => {
-  const { api, calls } = service(() => new OfflineError(true));
+  const { api, calls } = service([new OfflineError(true)]);
   await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
   assert.equal(calls.length, 1);
 });
@@ -121,15 +117,7 @@ test("a module that did not arrive is a lost network", () => {
 
 test("nothing more is asked once the run has ended", async () => {
   const run = new AbortController();
-  let asked = 0;
-  const api = new Api("/v1", {
-    fetch: async () => {
-      asked += 1;
-      throw new OfflineError();
-    },
-    wait: async () => run.abort(),
-    signal: run.signal,
-  });
+  const { api, calls } = service([new OfflineError()], { wait: async () => run.abort(), signal: run.signal });
   await assert.rejects(api.json("GET", "/session", "sid"), { name: "AbortError" });
-  assert.equal(asked, 1);
+  assert.equal(calls.length, 1);
 });

@@ -9,7 +9,7 @@ import { colour } from "../../web/calibrate/tint.js";
 import { latest } from "../../web/lib/latest.js";
 import { Sharpest } from "../../web/lib/rank.js";
 import { METRICS } from "./scenes.mjs";
-import { setGlobals } from "./globals.mjs";
+import { inTurn, setGlobals } from "./globals.mjs";
 
 const SIZE = [1280, 720];
 const IDS = Array.from({ length: 40 }, (_, id) => id);
@@ -43,9 +43,7 @@ const detectorOf = (...answers) => ({
   async detect(image, options) {
     image.close();
     this.options = options;
-    const next = answers.length > 1 ? answers.shift() : answers[0];
-    if (next instanceof Error) throw next;
-    return next;
+    return inTurn(answers);
   },
 });
 

@@ -38,6 +38,13 @@ export function keepHere(t) {
   return kept;
 }
 
+/** One answer after the other, the last again and again; errors are thrown. */
+export function inTurn(answers) {
+  const next = answers.length > 1 ? answers.shift() : answers[0];
+  if (next instanceof Error) throw next;
+  return next;
+}
+
 /**
  * An answer of the service.
  * @param {number} status @param {object | null} body @param {Record<string, string>} headers

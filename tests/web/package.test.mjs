@@ -25,7 +25,7 @@ async function size(contents, external = []) {
   return gzipSync(text).length;
 }
 
-test("compressed: 8 KB, 14 KB with the GPU, less for single functions", async (t) => {
+test("compressed: 8 KB, 14 KB with the GPU, less for single functions", async () => {
   const all = "export * from './calibdb.js';";
   const gpu = ["./rectifier.js", "./distorter.js", "./pair-rectifier.js"];
   const [without, complete, matrix, lens, lookup, rig, offline] = await Promise.all([
@@ -37,10 +37,6 @@ test("compressed: 8 KB, 14 KB with the GPU, less for single functions", async (t
     size("export { rig, rectifyPair } from './calibdb.js';", gpu),
     size("export { Bundle } from './bundle.js';"),
   ]);
-  t.diagnostic(
-    `${without} bytes, ${complete} with all that works on the GPU, ${lens} for lensOf, ` +
-      `${matrix} for projectionMatrix, ${lookup} for lookup, ${rig} for rig; ${offline} for Bundle`,
-  );
   assert.ok(without < 8192 && complete < 14336, `${without}, ${complete}`);
   assert.ok(
     lens < 0.5 * without && matrix < 0.1 * without && lookup < 0.8 * without && rig < 0.7 * without,

@@ -16,7 +16,7 @@ import {
 } from "../../web/sdk/calibdb.js";
 import { edgeAddress } from "../../web/sdk/edge.js";
 import { Bundle } from "../../web/sdk/bundle.js";
-import { FULL, json, setGlobals, storageOf } from "./globals.mjs";
+import { FULL, inTurn, json, setGlobals, storageOf } from "./globals.mjs";
 import { calibrationOf, cameraMatrix } from "./scenes.mjs";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
@@ -43,10 +43,8 @@ function site(edge, ...answers) {
     all.push({ path: pathname.replace(/[0-9a-f]{32}/, "*"), request });
     if (pathname.includes("/known/")) return edge(request);
     asked.push({ address: href, ...request, body: request.body && JSON.parse(request.body) });
-    const next = answers.length > 1 ? answers.shift() : answers[0];
-    const answer = typeof next === "function" ? await next(request) : next;
-    if (answer instanceof Error) throw answer;
-    return answer.clone();
+    const answer = inTurn(answers);
+    return (typeof answer === "function" ? await answer(request) : answer).clone();
   };
   const pause = async (milliseconds) => void waits.push(milliseconds);
   return { all, asked, waits, options: { token: "cdb_a_b", api: API, cache: null, fetch, pause } };
