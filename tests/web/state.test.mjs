@@ -65,33 +65,39 @@ const answered = (state, answer, time = 1, corners = state.sight.corners) =>
 const REFUSED = { accepted: false, reason: "no_information" };
 const frames = (detection, ms, from = 0) =>
   Array.from({ length: ms / 50 + 1 }, (_, index) => ({ type: "frame", detection, time: from + 50 * index }));
+/** Capturing with a board that is held so for so long, ms. */
+const holding = (pose, ms) => capturing(frames(frame(pose), ms));
+const holdOn = (state, pose, ms, from) => frames(frame(pose), ms, from).reduce(reduce, state);
+const aimed = (state, pose, time) => reduce(state, { type: "pose", pose, picture: null, time });
+const seeing = (state, pose, time) => reduce(state, { type: "frame", detection: frame(pose), time });
+const sentFrom = (state) => reduce(state, { type: "sent", corners: state.sight.corners });
 
 test("a board held still on the target is sent after the hold, not before", () => {
-  const before = capturing(frames(frame(THERE), HOLD_MS - 50));
+  const before = holding(THERE, HOLD_MS - 50);
   assert.ok(before.sight.overlap > 0.99);
   assert.equal(decide(before, HOLD_MS - 50), null);
   assert.ok(holdProgress(before) > 0.8 && holdProgress(before) < 1);
-  assert.equal(decide(capturing(frames(frame(THERE), HOLD_MS)), HOLD_MS), "submit");
+  assert.equal(decide(holding(THERE, HOLD_MS), HOLD_MS), "submit");
 });
 
 test("a tilted board held elsewhere is sent after a longer hold", () => {
-  const tilted = (ms) => capturing(frames(frame(ELSEWHERE), ms));
+  const tilted = (ms) => holding(ELSEWHERE, ms);
   assert.ok(tilted(100).sight.overlap < 0.3);
   assert.equal(decide(tilted(LONG_HOLD_MS - 50), LONG_HOLD_MS - 50), null);
   assert.equal(decide(tilted(LONG_HOLD_MS), LONG_HOLD_MS), "submit");
-  assert.equal(decide(capturing(frames(frame(FACING), 2 * LONG_HOLD_MS)), 2 * LONG_HOLD_MS), null);
+  assert.equal(decide(holding(FACING, 2 * LONG_HOLD_MS), 2 * LONG_HOLD_MS), null);
 });
 
 test("nothing is sent while a view is on its way, nor the same hold twice", () => {
-  const held = capturing(frames(frame(THERE), HOLD_MS));
+  const held = holding(THERE, HOLD_MS);
   assert.equal(decide(reduce(held, { type: "busy" }), HOLD_MS), null);
   const refused = answered(held, REFUSED, 600);
-  const again = frames(frame(THERE), HOLD_MS, 650).reduce(reduce, refused);
+  const again = holdOn(refused, THERE, HOLD_MS, 650);
   assert.equal(decide(again, 650 + HOLD_MS), null);
   assert.equal(refused.ui.notice.key, "capture.useless");
   assert.equal(refused.sight.target.index, 0);
   const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-3.6, -2.6, 12] };
-  const better = frames(frame(moved), HOLD_MS, 2000).reduce(reduce, again);
+  const better = holdOn(again, moved, HOLD_MS, 2000);
   assert.equal(decide(better, 2000 + HOLD_MS), "submit");
 });
 
@@ -99,7 +105,7 @@ test("a capture with four views ends after 30 s without a new one", () => {
   const answer = (count) => ({ views: viewsOf(count), calibration: {} });
   const after = (count) => {
     const taken = answered(capturing(), answer(count), 10_000, frame(THERE));
-    return reduce(taken, { type: "pose", pose: target(THERE), picture: null, time: 10_500 });
+    return aimed(taken, target(THERE), 10_500);
   };
   assert.equal(decide(after(4), 40_000), null);
   assert.equal(decide(after(4), 40_001), "finish");
@@ -126,9 +132,9 @@ test("a capture ends after four repeated holds in a row", () => {
   for (const detection of places) {
     hold(detection, LONG_HOLD_MS + 200);
     assert.equal(decide(state, time), "submit");
-    state = reduce(state, { type: "sent", corners: state.sight.corners });
+    state = sentFrom(state);
     state = answered(state, answer, time);
-    state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time });
+    state = aimed(state, target(THERE), time);
     hold(detection, 2 * LONG_HOLD_MS); // the hold that was sent goes on
   }
   assert.equal(state.capture.repeats, 0);
@@ -146,12 +152,12 @@ test("a capture ends after four repeated holds in a row", () => {
 
 test("only a refused pose is sent again", () => {
   const back = (reason) => {
-    let state = capturing(frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS));
+    let state = holding(ELSEWHERE, 2 * LONG_HOLD_MS);
     state = answered(state, { accepted: reason === null, reason }, 3_000);
-    state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time: 3_000 });
-    state = frames(frame({ ...ELSEWHERE, tvec: [-9, -6, 20] }), 2 * LONG_HOLD_MS, 4_000).reduce(reduce, state);
-    state = reduce(state, { type: "sent", corners: state.sight.corners });
-    return frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS, 8_000).reduce(reduce, state);
+    state = aimed(state, target(THERE), 3_000);
+    state = holdOn(state, { ...ELSEWHERE, tvec: [-9, -6, 20] }, 2 * LONG_HOLD_MS, 4_000);
+    state = sentFrom(state);
+    return holdOn(state, ELSEWHERE, 2 * LONG_HOLD_MS, 8_000);
   };
   assert.deepEqual([decide(back("outlier"), 11_000), back("outlier").capture.repeats], ["submit", 0]);
   assert.deepEqual([decide(back(null), 11_000), back(null).capture.repeats], [null, 1]);
@@ -166,7 +172,7 @@ test("a view off the target is reported", () => {
 });
 
 test("a refused target is skipped after 1 s, or 3 s with a reason to read", () => {
-  const held = capturing(frames(frame(THERE), HOLD_MS));
+  const held = holding(THERE, HOLD_MS);
   const refused = answered(held, REFUSED, 600);
   assert.equal(decide(refused, 1_500), null);
   assert.equal(decide(refused, 1_700), "skip");
@@ -174,13 +180,13 @@ test("a refused target is skipped after 1 s, or 3 s with a reason to read", () =
   assert.equal(doubted.ui.notice.key, "capture.refused_outlier");
   assert.equal(decide(doubted, 3_500), null);
   assert.equal(decide(doubted, 3_700), "skip");
-  const elsewhere = answered(capturing(frames(frame(ELSEWHERE), LONG_HOLD_MS)), REFUSED, 1600);
+  const elsewhere = answered(holding(ELSEWHERE, LONG_HOLD_MS), REFUSED, 1600);
   assert.equal(decide(elsewhere, 14_000), null);
 });
 
 test("progress only falls by undo", () => {
   const views = [VIEW];
-  const taken = answered(capturing(frames(frame(THERE), HOLD_MS)), { views, progress: 0.5 }, 600);
+  const taken = answered(holding(THERE, HOLD_MS), { views, progress: 0.5 }, 600);
   assert.deepEqual(
     [taken.sight.target, taken.ui.picture, taken.capture.progress, taken.link.busy],
     [null, null, 0.5, false],
@@ -191,17 +197,14 @@ test("progress only falls by undo", () => {
 });
 
 test("convergence ends the capture", () => {
-  const done = reduce(capturing(), {
-    type: "session",
-    session: CONVERGED,
-  });
+  const done = reduce(capturing(), { type: "session", session: CONVERGED });
   assert.deepEqual([done.phase, done.capture.progress, done.sight.target], ["done", 1, null]);
   assert.equal(decide(done, 1e9), null);
-  assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
+  assert.equal(seeing(done, THERE, 1), done);
 });
 
 test("a target not reached for 15 s is skipped", () => {
-  const state = capturing(frames(frame(FACING), 200));
+  const state = holding(FACING, 200);
   assert.equal(decide(state, 14_999), null);
   assert.equal(decide(state, 15_001), "skip");
   assert.equal(decide(capturing(frames(NOTHING, 200)), 60_000), null);
@@ -230,13 +233,13 @@ test("a board is asked for after three looks without it", () => {
 test("instructions say what is missing, and stand for 400 ms", () => {
   const blind = capturing(missed(1500));
   assert.equal(blind.ui.instruction.code, "show");
-  const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 1550 });
+  const first = seeing(blind, ELSEWHERE, 1550);
   assert.equal(first.ui.instruction.code, "show");
-  const later = frames(frame(ELSEWHERE), 400, 1600).reduce(reduce, first);
+  const later = holdOn(first, ELSEWHERE, 400, 1600);
   assert.equal(later.ui.instruction.code, "tilt_left");
-  const there = frames(frame(THERE), 450, 2100).reduce(reduce, later);
+  const there = holdOn(later, THERE, 450, 2100);
   assert.equal(there.ui.instruction.code, "hold");
-  const sent = reduce(there, { type: "sent", corners: there.sight.corners });
+  const sent = sentFrom(there);
   assert.equal(sent.ui.instruction.code, "wait");
   const slid = { ids: there.sight.corners.ids, points: there.sight.corners.points.map(([x, y]) => [x + 4, y]) };
   assert.equal(reduce(there, { type: "sent", corners: slid }).capture.unsteady, true);
@@ -251,14 +254,14 @@ test("an unsteady board is reported after 12 s, its sharpest frames are offered 
   const [early, later, late] = [11_000, 14_000, 62_000].map((time) => states[time / 200]);
   assert.deepEqual([early, later, late].map(isRestless), [false, true, true]);
   assert.deepEqual([later, late].map(isSharpestOffered), [false, true]);
-  assert.equal(isSharpestOffered(reduce(late, { type: "sent", corners: late.sight.corners })), false);
+  assert.equal(isSharpestOffered(sentFrom(late)), false);
   assert.equal(isRestless(frames(NOTHING, 20_000).reduce(reduce, capturing([]))), false);
 });
 
 test("what was said of one target does not stand for the next", () => {
-  const held = capturing(frames(frame(THERE), 600));
+  const held = holding(THERE, 600);
   assert.equal(held.ui.instruction.code, "hold");
-  const next = reduce(held, { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
+  const next = aimed(held, target(ELSEWHERE, 1), 650);
   assert.equal(next.ui.instruction.code, "tilt_right");
 });
 
@@ -300,8 +303,7 @@ test("who comes nearer, slowly, keeps the target", () => {
     tvec: [THERE.tvec[0] - (8 * (20_000 - time)) / 20_000, THERE.tvec[1], THERE.tvec[2]],
   });
   let slow = capturing();
-  for (let time = 0; time <= 16_000; time += 1000)
-    slow = reduce(slow, { type: "frame", detection: frame(far(time)), time });
+  for (let time = 0; time <= 16_000; time += 1000) slow = seeing(slow, far(time), time);
   assert.equal(decide(slow, 16_001), null);
   assert.equal(decide(slow, slow.capture.nearest.time + 15_001), "skip");
   const nearer = { ...slow, capture: { ...slow.capture, nearest: { ...slow.capture.nearest, time: 45_000 } } };
@@ -309,11 +311,11 @@ test("who comes nearer, slowly, keeps the target", () => {
 });
 
 test("offline views are kept and counted", () => {
-  const held = capturing(frames(frame(THERE), HOLD_MS));
+  const held = holding(THERE, HOLD_MS);
   const away = reduce(held, { type: "offline", stored: 1 });
   assert.deepEqual([away.link.offline, away.link.stored, away.sight.target, away.ui.notice], [true, 1, null, null]);
-  const planned = reduce(away, { type: "pose", pose: { ...target(ELSEWHERE), index: -1 }, picture: null, time: 900 });
-  assert.equal(decide(frames(frame(ELSEWHERE), HOLD_MS, 1000).reduce(reduce, planned), 1000 + HOLD_MS), "submit");
+  const planned = aimed(away, { ...target(ELSEWHERE), index: -1 }, 900);
+  assert.equal(decide(holdOn(planned, ELSEWHERE, HOLD_MS, 1000), 1000 + HOLD_MS), "submit");
   const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
   assert.deepEqual([stored.link.stored, stored.sight.target, stored.ui.notice.key], [2, null, "capture.view_stored"]);
   const far = { ...stored, capture: { ...stored.capture, session: { ...SESSION, progress: 0.6 }, progress: 0.6 } };
@@ -393,14 +395,14 @@ test("a board of the other layout is accepted before the first view", () => {
 });
 
 test("the time in a hidden tab does not count", () => {
-  const state = reduce(capturing(frames(frame(FACING), 200)), { type: "visible", time: 60_000 });
+  const state = reduce(holding(FACING, 200), { type: "visible", time: 60_000 });
   assert.equal(decide(state, 60_001), null);
   assert.equal(state.sight.stillness.held, 0);
 });
 
 test("a picture of another size ends the capture", () => {
   const turned = { ...frame(THERE), size: [720, 1280] };
-  const held = capturing(frames(frame(THERE), HOLD_MS));
+  const held = holding(THERE, HOLD_MS);
   assert.equal(decide(held, HOLD_MS), "submit");
   const state = reduce(held, { type: "frame", detection: turned, time: HOLD_MS + 50 });
   assert.deepEqual([state.phase, state.failure.code], ["failed", "resized"]);
@@ -408,7 +410,7 @@ test("a picture of another size ends the capture", () => {
 });
 
 test("starting over keeps the cameras and forgets the rest", () => {
-  const state = reduce(capturing(frames(frame(THERE), 200)), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
+  const state = reduce(holding(THERE, 200), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
   const fresh = reduce(state, { type: "restart" });
   assert.deepEqual(
     [fresh.phase, fresh.sight.target, fresh.capture.session, fresh.ui.cameras.length],
@@ -442,7 +444,7 @@ test("a board is offered after eight seconds without one", () => {
   assert.equal(blind(8_100, { ...NOTHING, markers: 2 }).detector.boardless, false);
   const wanted = reduce(capturing(), { type: "want-board" });
   assert.equal(reduce(wanted, { type: "frame", detection: NOTHING, time: 10 }).ui.boardWanted, true);
-  assert.equal(reduce(wanted, { type: "frame", detection: frame(THERE), time: 10 }).ui.boardWanted, false);
+  assert.equal(seeing(wanted, THERE, 10).ui.boardWanted, false);
 });
 
 test("the target's squares are gone before the board lies on them", () => {
