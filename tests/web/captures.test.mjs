@@ -17,6 +17,14 @@ import "./messages.mjs";
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
 const VIEW = { set_aside: false };
+
+async function begin() {
+  const service = new Sessions();
+  const capture = new CaptureSession(service.api, "token", REQUEST);
+  await capture.start();
+  return { service, capture };
+}
+
 test("first requests are reported by kind", async () => {
   const answered = new Set();
   const { api } = new Sessions();
@@ -36,9 +44,7 @@ test("first requests are reported by kind", async () => {
 });
 
 test("an expired session is begun anew with the views it had", async () => {
-  const service = new Sessions();
-  const capture = new CaptureSession(service.api, "token", REQUEST);
-  await capture.start();
+  const { service, capture } = await begin();
   await capture.submit(0, view(1));
   await capture.submit(1, view(2));
   service.expired = 1;
@@ -50,9 +56,7 @@ test("an expired session is begun anew with the views it had", async () => {
 });
 
 test("a capture resumes with its views, also one whose answer was lost", async () => {
-  const service = new Sessions();
-  const capture = new CaptureSession(service.api, "token", REQUEST);
-  await capture.start();
+  const { service, capture } = await begin();
   await capture.submit(0, view(1));
   service.isLosing = true;
   await assert.rejects(capture.submit(1, view(2)), OfflineError);
@@ -108,13 +112,11 @@ test("a capture begun offline is sent later", async () => {
 });
 
 test("the picture is asked for as JPEG, and a skip is asked for once", async () => {
-  const { api, calls } = new Sessions();
-  const capture = new CaptureSession(api, "token", REQUEST);
-  await capture.start();
+  const { service, capture } = await begin();
   const { pose, picture } = await capture.pose({ skip: true });
   assert.deepEqual([pose.index, await picture.text()], [0, "picture"]);
   assert.deepEqual(
-    calls.slice(2).map(({ call }) => call),
+    service.calls.slice(2).map(({ call }) => call),
     ["GET /session/pose?skip=1", "GET /session/pose"],
   );
 });
@@ -303,9 +305,8 @@ test("a finish during an outage follows once the service is back", async (t) => 
 
 test("no session says a licence unless the person agreed", async (t) => {
   keepHere(t);
-  const service = new Sessions();
+  const { service } = await begin();
   await calibrate(service.api, "t", REQUEST, [], () => {});
-  await new CaptureSession(service.api, "t", REQUEST).start();
   const bodies = service.bodies("POST /session");
   assert.equal(bodies.length, 2);
   assert.ok(bodies.every((body) => !("licence" in body) && !("licence_version" in body)));
@@ -323,13 +324,11 @@ test("consent to an earlier text is none to this one", async (t) => {
 
 test("a running session is given its licence later", async (t) => {
   const kept = keepHere(t);
-  const { api, calls } = new Sessions();
-  const session = new CaptureSession(api, "t", REQUEST);
-  await session.start();
+  const { service, capture } = await begin();
   kept.set("calibdb.consent", LICENCE_VERSION);
-  await session.license(api);
+  await capture.license(service.api);
   assert.deepEqual(
-    calls.map(({ call }) => call),
+    service.calls.map(({ call }) => call),
     ["POST /auth", "POST /session", "POST /session/licence"],
   );
 });

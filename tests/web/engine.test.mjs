@@ -75,6 +75,12 @@ function pageOf(t, rounds, more = {}) {
   return page;
 }
 
+/** Parts of a page that looks on for so long, ms. */
+function lasting(ms) {
+  const start = performance.now();
+  return { isOver: () => performance.now() - start > ms, act: async () => {} };
+}
+
 const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
@@ -140,10 +146,8 @@ test("a view with a jerk, blur or another size is refused", async (t) => {
 test("focus is locked once, after a hold", async (t) => {
   const stream = streamOf();
   let focused = 0;
-  const start = performance.now();
   const page = pageOf(t, 0, {
-    isOver: () => performance.now() - start > 600,
-    act: async () => {},
+    ...lasting(600),
     onFocused: () => (focused += 1),
   });
   await engineOf(page, [{ stream, half: 0 }], detectorOf(detection())).run();
@@ -160,10 +164,8 @@ test("other boards are searched while no corner is seen", async (t) => {
       return { family: null, markers: [], inverted: false, mirrored: false, size: SIZE, chessboard: null };
     };
     const suggestions = [];
-    const start = performance.now();
     const page = pageOf(t, 0, {
-      isOver: () => performance.now() - start > 800,
-      act: async () => {},
+      ...lasting(800),
       isSearched: () => isSearched,
       suggest: (_, suggestion) => suggestions.push(suggestion),
     });

@@ -170,9 +170,8 @@ test("the photograph that shows something new comes first, the copy last", () =>
 });
 
 /** A service that refuses view 1 until it has taken two, and never takes view 5. */
-function service(errors) {
+function service() {
   const sessions = new Sessions();
-  sessions.errors = errors;
   sessions.judge = (id, taken) => (id === 5 ? "degenerate" : id === 1 && taken < 2 ? "outlier" : null);
   return sessions;
 }
@@ -180,7 +179,7 @@ const views = [0, 1, 5, 2, 3].map((id) => ({ ids: [id], points: [[id, id]] }));
 const request = { camera: "A", platform: "photographs", img_size: [1280, 720] };
 
 test("every view that agrees counts, however little it adds", async () => {
-  const sessions = service([3, 1, 0.5, 40]);
+  const sessions = service();
   const judged = [];
   const { state, wanted, numbers } = await calibrate(sessions.api, "t", request, views, (judgement) =>
     judged.push(judgement),
@@ -211,7 +210,7 @@ test("every view that agrees counts, however little it adds", async () => {
 });
 
 test("views for which a request has no time are sent in the next", async () => {
-  const sessions = service([3, 1, 0.5, 0.5]);
+  const sessions = service();
   sessions.most = 2;
   const judged = [];
   await calibrate(sessions.api, "t", request, views, (judgement) => judged.push(judgement.view));
@@ -242,7 +241,7 @@ test("what was used is shown first, in the order in which the error fell", () =>
 });
 
 test("views that are too few are not stored; what would help is asked for", async () => {
-  const { api } = service([9, 7, 5]);
+  const { api } = service();
   const { state, wanted } = await calibrate(api, "t", request, views.slice(0, 3), () => {});
   assert.equal(state.calibration_id, null);
   assert.deepEqual(wanted, { index: 1 });

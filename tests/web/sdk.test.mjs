@@ -55,6 +55,8 @@ const unreachable = () => {
 };
 /** A service whose edge knows nothing. */
 const service = (...answers) => site(unknown, ...answers);
+/** A lookup at a service with one answer. */
+const found = (answer, options = {}) => lookup(KEY, { ...service(answer).options, ...options });
 function camera(settings) {
   const track = Object.assign(new EventTarget(), { kind: "video", readyState: "live", label: "FaceTime HD", settings });
   return Object.assign(track, { getSettings: () => track.settings });
@@ -73,15 +75,15 @@ test("a known camera is answered with its calibration", async () => {
 
 test("an estimate is the camera only if it is accepted", async () => {
   const miss = json(200, { calibration: null, ...MISS, estimate: LIKELY });
-  const cautious = await lookup(KEY, service(miss).options);
+  const cautious = await found(miss);
   assert.ok(cautious.estimate instanceof Estimate && !(cautious.estimate instanceof Calibration));
   assert.deepEqual(JSON.parse(JSON.stringify(cautious.estimate)), LIKELY);
   assert.deepEqual([cautious.calibration, cautious.camera], [null, null]);
-  const { calibration, camera, guidanceUrl } = await lookup(KEY, { ...service(miss).options, accept: "estimate" });
+  const { calibration, camera, guidanceUrl } = await found(miss, { accept: "estimate" });
   assert.deepEqual([calibration, guidanceUrl], [null, MISS.guidance_url]);
   assert.ok(camera instanceof Estimate);
   assert.deepEqual(camera.project([0, 0, 1]), [639.5, 359.5]);
-  const known = await lookup(KEY, { ...service(json(200, KNOWN)).options, accept: "estimate" });
+  const known = await found(json(200, KNOWN), { accept: "estimate" });
   assert.equal(known.camera, known.calibration);
   assert.equal(known.estimate, null);
 });
@@ -165,7 +167,7 @@ test("a broken answer is retried, and another service's is not taken", async () 
   assert.ok((await lookup(KEY, options)).calibration);
   assert.equal(asked.length, 2);
   await assert.rejects(
-    lookup(KEY, service(broken).options),
+    found(broken),
     ({ status, cause }) => status === 0 && cause.status === 0 && cause.cause instanceof SyntaxError,
   );
   const kept = new Map();
@@ -174,7 +176,7 @@ test("a broken answer is retried, and another service's is not taken", async () 
     json(200, {}),
   ]) {
     await assert.rejects(
-      lookup(KEY, { ...service(other).options, cache: storageOf(kept) }),
+      found(other, { cache: storageOf(kept) }),
       (error) => error instanceof LookupError && /is not calibDB/.test(error.message),
     );
   }
@@ -213,7 +215,7 @@ test("it stops when it is told to, on the line and between attempts", async () =
   await assert.rejects(lookup(KEY, { ...options, signal: late.signal }), { name: "TimeoutError" });
   assert.equal(asked.length, 1);
   const cache = storageOf(new Map());
-  await lookup(KEY, { ...service(json(200, KNOWN)).options, cache });
+  await found(json(200, KNOWN), { cache });
   await assert.rejects(lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }), { name: "AbortError" });
 });
 
@@ -236,7 +238,7 @@ test("a known camera is looked up once per tab", async () => {
 
 test("an unmet wish leads to the guidance page", async () => {
   const other = { ...KNOWN, exact_size: false };
-  const answer = await lookup(KEY, { ...service(json(200, other)).options, exact: true });
+  const answer = await found(json(200, other), { exact: true });
   assert.deepEqual([answer.calibration, answer.reason], [null, "other_size"]);
   const url = new URL(answer.guidanceUrl);
   assert.equal(url.origin + url.pathname, "https://calibdb.example/calibrate/");
@@ -247,14 +249,13 @@ test("an unmet wish leads to the guidance page", async () => {
     zoom: "0",
     distortion_model: "rectilinear",
   });
-  assert.ok((await lookup(KEY, service(json(200, other)).options)).calibration);
+  assert.ok((await found(json(200, other))).calibration);
   const adapted = { img_size: [640, 360], camera_matrix: cameraMatrix([500], [319.75, 179.75]) };
-  const scaled = await lookup(KEY, { ...service(json(200, { ...other, adapted })).options, exact: true });
+  const scaled = await found(json(200, { ...other, adapted }), { exact: true });
   assert.deepEqual([scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]], [[640, 360], 500]);
-  const shown = (await lookup(KEY, service(json(200, { ...other, adapted })).options)).calibration;
+  const shown = (await found(json(200, { ...other, adapted }))).calibration;
   assert.deepEqual([shown.img_size, shown.exact_size], [[640, 360], true]);
-  const reasonOf = async (known, maxError) =>
-    (await lookup(KEY, { ...service(json(200, known)).options, maxError })).reason;
+  const reasonOf = async (known, maxError) => (await found(json(200, known), { maxError })).reason;
   assert.equal(await reasonOf(KNOWN, 0.25), "too_uncertain");
   assert.equal(await reasonOf(KNOWN, 1), null);
   assert.equal(await reasonOf({ ...KNOWN, spread: 2 }, 1), "too_uncertain");
@@ -437,7 +438,7 @@ test("during an outage known cameras are still found", async () => {
     const known = site(() => json(200, KNOWN), failing);
     assert.ok((await lookup(KEY, known.options)).calibration);
     await assert.rejects(
-      lookup(KEY, service(failing).options),
+      found(failing),
       (error) =>
         error instanceof LookupError && /cannot be asked now/.test(error.message) && error.cause instanceof LookupError,
     );

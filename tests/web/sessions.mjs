@@ -3,6 +3,8 @@ import { Api } from "../../web/lib/api.js";
 import { OfflineError } from "../../web/lib/network.js";
 import { json } from "./globals.mjs";
 
+const ERRORS = [3, 1, 0.5, 40]; // px, predicted after each view
+
 export class Sessions {
   /** Views of each session, each with its index. @type {{index: number, ids: number[]}[][]} */
   sessions = [];
@@ -16,8 +18,6 @@ export class Sessions {
   expired = 0;
   /** Views that one request judges. */
   most = Infinity;
-  /** Predicted error after each view, px. */
-  errors = [];
   #isConverged = false;
   api = new Api("https://calibdb.example/v1/", {
     fetch: (address, request) => this.fetch(address, request),
@@ -69,7 +69,7 @@ export class Sessions {
     const reason = this.judge(ids[0], views.length);
     if (reason) return { accepted: false, reason, index: null, error: null };
     views.push({ index: views.length, ids });
-    return { accepted: true, reason, index: views.length - 1, error: this.errors[views.length - 1] };
+    return { accepted: true, reason, index: views.length - 1, error: ERRORS[views.length - 1] };
   }
 
   #state(views) {
@@ -77,7 +77,7 @@ export class Sessions {
       status: this.#isConverged ? "converged" : "capturing",
       calibration_id: this.#isConverged ? "id" : null,
       views: views.map(({ index }) => ({ index })),
-      uncertainty: views.length > 0 ? { rms: this.errors[views.length - 1] } : null,
+      uncertainty: views.length > 0 ? { rms: ERRORS[views.length - 1] } : null,
     };
   }
 }

@@ -167,31 +167,30 @@ const after = (expected, ...sightings) => {
   return sightings.map((sighting, n) => watch.add(sighting, expected, 1000 * n)).at(-1);
 };
 
+/** Two looks at the same. */
+const twice = (expected, sighting) => after(expected, sighting, sighting);
+
 test("another board is suggested once two looks agree", () => {
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7])), null);
-  const found = after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]));
+  const found = twice(DEFAULT_BOARD, chessboard([10, 7]));
   assert.deepEqual([found.board.kind, found.board.squares, found.isCut], ["chessboard", [10, 7], false]);
-  assert.equal(after(CHESSBOARD, chessboard([10, 7]), chessboard([10, 7])), null);
-  assert.equal(after(DEFAULT_BOARD, nothing, nothing, nothing), null);
+  assert.equal(twice(CHESSBOARD, chessboard([10, 7])), null);
+  assert.equal(twice(DEFAULT_BOARD, nothing), null);
 });
 
 test("a board at the picture's edge is cut off", () => {
-  assert.equal(after(DEFAULT_BOARD, chessboard([10, 7], [20, 200]), chessboard([10, 7], [20, 200])).isCut, true);
+  assert.equal(twice(DEFAULT_BOARD, chessboard([10, 7], [20, 200])).isCut, true);
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut, true);
 });
 
 test("parts of the expected board are not another board", () => {
-  assert.equal(after(DEFAULT_BOARD, charuco(DEFAULT_BOARD, {}, 4), charuco(DEFAULT_BOARD, {}, 4)), null);
+  assert.equal(twice(DEFAULT_BOARD, charuco(DEFAULT_BOARD, {}, 4)), null);
   const marked = { ...nothing, chessboard: { ...lattice([6, 4]), isPlain: false } };
-  assert.equal(after(DEFAULT_BOARD, marked, marked), null);
+  assert.equal(twice(DEFAULT_BOARD, marked), null);
 });
 
 test("a mirrored picture is trouble of its own", () => {
-  const found = after(
-    DEFAULT_BOARD,
-    charuco(DEFAULT_BOARD, { mirrored: true }),
-    charuco(DEFAULT_BOARD, { mirrored: true }),
-  );
+  const found = twice(DEFAULT_BOARD, charuco(DEFAULT_BOARD, { mirrored: true }));
   assert.equal(found.mirrored, true);
   assert.equal(troubleOf(found, DEFAULT_BOARD), "mirrored");
   assert.equal(
@@ -202,7 +201,7 @@ test("a mirrored picture is trouble of its own", () => {
 });
 
 test("a board that is blurred or far away is not taken for another one", () => {
-  const other = after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]));
+  const other = twice(DEFAULT_BOARD, chessboard([10, 7]));
   const trouble = (markers, metrics) => {
     const frame = { ids: [], points: [], markers, size: [640, 360], metrics: { ...METRICS, ...metrics } };
     return doubt(observeFrame(BLIND, frame, 1000, DEFAULT_BOARD), other, DEFAULT_BOARD, 1000).diagnosis.trouble;
