@@ -279,9 +279,6 @@ test("the loudspeaker rests between signs", (t) => {
   assert.deepEqual(states, ["running"]);
   tones[1].onended();
   assert.deepEqual(states, ["running", "suspended"]);
-  feedback.give("hold");
-  tones[2].onended();
-  assert.deepEqual(states, ["running", "suspended", "running", "suspended"]);
 });
 
 test("green and magenta become the target's colours", () => {

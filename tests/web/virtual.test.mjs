@@ -29,15 +29,13 @@ test("a hand misses by about 3° and 3 %, reproducibly", () => {
 });
 
 test("an address sets the truth, and another truth is another camera", () => {
-  const a = setupFrom(new URLSearchParams("virtual=1&fx=1000&cx=664.5&k1=-0.25&k2=0&error=0.5"));
-  assert.deepEqual(
-    [a.lens.fx, a.lens.fy, a.lens.cx, a.lens.k1, a.lens.k2, a.error],
-    [1000, 1000, 664.5, -0.25, 0, 0.5],
+  const [one, same, other] = ["k1=-0.25&error=0.5", "k1=-0.25&seed=9", "k1=-0.26&error=0.5"].map((more) =>
+    setupFrom(new URLSearchParams(`virtual=1&fx=1000&cx=664.5&k2=0&${more}`)),
   );
-  assert.deepEqual(a.size, [1280, 720]);
-  const b = setupFrom(new URLSearchParams("virtual=1&fx=1000&cx=664.5&k1=-0.26&k2=0&error=0.5"));
-  assert.notEqual(labelOf(a), labelOf(b));
-  assert.equal(labelOf(a), labelOf(setupFrom(new URLSearchParams("fx=1000&cx=664.5&k1=-0.25&k2=0&seed=9"))));
+  const { fx, fy, cx, k1, k2 } = one.lens;
+  assert.deepEqual([fx, fy, cx, k1, k2, one.error], [1000, 1000, 664.5, -0.25, 0, 0.5]);
+  assert.notEqual(labelOf(one), labelOf(other));
+  assert.equal(labelOf(one), labelOf(same));
 });
 
 test("an address sets the frame rate within limits", () => {
@@ -64,11 +62,10 @@ test("the board covers an outline drawn for another lens", () => {
 });
 
 test("a hand arrives on time and trembles as specified", () => {
-  for (const [kind, { travel, tremor, sway, astray }] of Object.entries(HANDS)) {
+  for (const [kind, { travel, tremor, sway }] of Object.entries(HANDS)) {
     const one = hand(kind);
     one.follow(TARGET, 1000);
-    const settled = 1000 + travel + astray + 10;
-    one.pose(1000 + astray + 1);
+    const settled = 1000 + travel + 10;
     const away = Array.from({ length: 12 }, (_, i) =>
       apart(see(LENS, one.pose(settled + 110 * i), CORNERS), see(LENS, TARGET, CORNERS)),
     );
@@ -77,15 +74,6 @@ test("a hand arrives on time and trembles as specified", () => {
     assert.ok(tremor === 0 || Math.max(...away) > tremor, kind);
     assert.equal(one.moves(settled), tremor > 0);
   }
-});
-
-test("a hand that goes astray is on the other side first", () => {
-  const one = hand("wrong");
-  one.follow(TARGET, 0);
-  const side = (time) => transformPoint(one.pose(time), PIVOT)[0];
-  const [goal] = transformPoint(TARGET, PIVOT);
-  assert.ok(Math.sign(side(3_000)) === -Math.sign(goal));
-  assert.ok(Math.abs(side(6_000) - goal) < 0.05);
 });
 
 test("a hand's way does not depend on painted frames", () => {
@@ -153,7 +141,7 @@ function capture(kind, seed) {
 }
 
 // Eight views without the service, each a way to the target and a hold of 0.7 s.
-const WITHIN = { still: 12, person: 20, shaky: 70, slow: 75, wrong: 30 }; // s
+const WITHIN = { still: 12, person: 20, shaky: 70, slow: 75 }; // s
 
 for (const [kind, limit] of Object.entries(WITHIN)) {
   test(`a ${kind} hand comes to the end by itself`, () => {
