@@ -10,6 +10,10 @@ import { HEALTHY } from "../../web/lib/capture/sight.js";
 import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../../web/lib/capture/target.js";
 import { observedOutline } from "../../web/lib/board-outline.js";
 import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrate/plan.js";
+import { Hand } from "../../web/lib/virtual/hand.js";
+import { matchPose } from "../../web/lib/virtual/match.js";
+import { motion } from "../../web/lib/capture/stillness.js";
+import { seededRandom } from "../../web/lib/pose.js";
 import { Announcer } from "../../web/lib/capture/feedback.js";
 import { propose } from "../../web/lib/camera.js";
 import * as statusText from "../../web/calibrate/status-text.js";
@@ -552,6 +556,68 @@ test("an unknown model is drawn by the plan's own camera", () => {
     nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], null),
   );
 });
+
+const [WIDTH, HEIGHT] = KEY.img_size;
+const WEBCAM = { ...PINHOLE, cx: 664.5, cy: 359.5, k1: -0.25 };
+const FRAME = 1000 / 15; // ms
+const NOISE = 0.1; // px
+
+/** Corners that the detector would find in the picture; none where it is smeared. */
+function seen(pose, blur, random) {
+  const ids = [];
+  const points = [];
+  if (blur === 0) {
+    see(WEBCAM, pose, corners(DEFAULT_BOARD)).forEach(([u, v], id) => {
+      if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
+      ids.push(id);
+      points.push([u + NOISE * (random() - 0.5), v + NOISE * (random() - 0.5)]);
+    });
+  }
+  return { ...NOTHING, ids, points, markers: ids.length };
+}
+
+/** A whole capture by the page's own targets, frame by frame, as the capture loop runs it. */
+function capture(kind, seed) {
+  const random = seededRandom(seed);
+  const start = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
+  const hand = new Hand(kind, { error: 1, seed, pivot: [4.5, 3, 0], focal: WEBCAM.fx, start });
+  let [planned, skipped, time] = [0, 0, 0];
+  let state = reduce(capturing(), { type: "opened-offline", stored: 0, time });
+  const dispatch = (event) => (state = reduce(state, event));
+  const next = () => {
+    const found = nextPlanned(PLAN, planned, DEFAULT_BOARD, KEY.img_size, null);
+    planned = found.next;
+    dispatch({ type: "pose", pose: found.pose, picture: null, time });
+    hand.follow(matchPose(DEFAULT_BOARD, WEBCAM, found.pose), time);
+  };
+  next();
+  for (; time < 180_000 && !isEnough(state); time += FRAME) {
+    const detection = seen(hand.pose(time), hand.blur(), random);
+    dispatch({ type: "frame", detection, time });
+    const action = decide(state, time);
+    if (action === "skip") {
+      skipped += 1;
+      next();
+    }
+    if (action !== "submit") continue;
+    const view = seen(hand.pose(time + FRAME), 0, random);
+    if (motion(state.sight.corners, view) > 3 * lenienceAfter(time - state.capture.posedAt)) continue;
+    dispatch({ type: "stored", corners: view, stored: state.link.stored + 1, time });
+    if (!isEnough(state)) next();
+  }
+  return { views: state.link.stored, seconds: time / 1000, skipped };
+}
+
+// Eight views without the service, each a way to the target and a hold of 0.7 s.
+const WITHIN = { still: 12, person: 20, shaky: 70, slow: 75 }; // s
+
+for (const [kind, limit] of Object.entries(WITHIN)) {
+  test(`a ${kind} hand comes to the end by itself`, () => {
+    const { views, seconds, skipped } = capture(kind, 1);
+    assert.equal(views, 8, `${views} views in ${seconds} s`);
+    assert.ok(seconds < limit, `${seconds.toFixed(1)} s, ${skipped} given up`);
+  });
+}
 
 const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())) };
 const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
