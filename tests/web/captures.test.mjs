@@ -244,26 +244,17 @@ test("a session that differs after a lost response is adopted", async () => {
   assert.deepEqual(events, ["busy", "as the service has it", "idle"]);
 });
 
-/** A capture with a made-up session, which logs the requests; `views` are taken. */
+/** A capture of whose views the page knows `views`. */
 function looping(t, views) {
   setGlobals(t, { document: new EventTarget(), addEventListener() {} });
-  const log = [];
+  const service = new Sessions();
   const state = {
     link: { busy: false, offline: false, stored: 0 },
     phase: "capturing",
     capture: { key: null, session: { views, calibration: {} } },
   };
   const settings = { focusMode: "continuous" };
-  const requests = {
-    request: { track: { ...settings } },
-    renewals: 0,
-    waiting: 0,
-    resume: async () => ({ state: { status: "capturing" }, taken: 0, refused: 0 }),
-    track: (track) => (requests.request = { track }),
-    start: async () => log.push(`start ${requests.request.track.focusMode}`),
-    pose: async () => (log.push("pose"), { pose: {}, picture: new Blob() }),
-    finish: async () => (log.push("finish"), { status: "converged" }),
-  };
+  const session = new CaptureSession(service.api, "token", { ...REQUEST, track: { ...settings } });
   const parts = Object.fromEntries(["undo", "skip", "finish", "sharpest"].map((name) => [name, new EventTarget()]));
   const dispatch = ({ type }) => {
     if (type === "busy" || type === "idle") state.link.busy = type === "busy";
@@ -273,34 +264,32 @@ function looping(t, views) {
   const stream = { camera: { track: { getSettings: () => settings } } };
   const detector = new Promise(() => {});
   const { signal } = new AbortController();
-  const loop = new CaptureLoop(page, { session: requests, detector, stream, plan: [], signal });
-  return { loop, log, parts, settings, requests, state };
+  const loop = new CaptureLoop(page, { session, detector, stream, plan: [], signal });
+  return { loop, service, parts, settings, session, state };
 }
 
 test("a session without views begins again with the locked focus", async (t) => {
-  for (const [views, expected] of [
-    [[], ["start manual", "pose"]],
-    [[VIEW], []],
-  ]) {
-    const { loop, log, settings, requests } = looping(t, views);
+  for (const views of [[], [VIEW]]) {
+    const { loop, service, settings, session } = looping(t, views);
     settings.focusMode = "manual";
     await loop.onFocused();
-    assert.deepEqual(log, expected);
-    assert.equal(requests.request.track.focusMode, "manual");
+    const begun = service.bodies("POST /session").map(({ track }) => track.focusMode);
+    assert.deepEqual(begun, views.length === 0 ? ["manual"] : []);
+    assert.equal(service.bodies("GET /session/pose").length > 0, views.length === 0);
+    assert.equal(session.request.track.focusMode, "manual");
   }
 });
 
 test("a finish during an outage follows once the service is back", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
-  const { loop, log, parts, state } = looping(t, [VIEW, VIEW, VIEW, VIEW]);
+  const { loop, service, parts, state } = looping(t, [VIEW, VIEW, VIEW, VIEW]);
   state.link.offline = true;
   parts.finish.dispatchEvent(new Event("click"));
   void loop.run();
   await settle();
-  assert.deepEqual(log, []);
+  assert.deepEqual(service.calls, []);
   t.mock.timers.tick(FIRST_PAUSE_MS);
-  await settle();
-  assert.equal(log[0], "finish");
+  while (service.bodies("POST /session/finish").length === 0) await settle();
 });
 
 test("no session says a licence unless the person agreed", async (t) => {

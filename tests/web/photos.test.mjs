@@ -288,7 +288,6 @@ function film({ rate, count, capacity }) {
     playbackRate: 1,
     currentTime: 0,
     paused: true,
-    shown: 0,
     played: 0,
     addEventListener: (name, call) => (listeners[name] = call),
     requestVideoFrameCallback: (call) => (video.callback = call),
@@ -307,7 +306,6 @@ function film({ rate, count, capacity }) {
     if (frame >= count) return listeners.ended?.();
     if (frame === lastFrame || budget < 1) return;
     [lastFrame, budget] = [frame, budget - 1];
-    video.shown++;
     const call = video.callback;
     video.callback = null;
     call?.(0, { mediaTime: frame / rate });
@@ -315,8 +313,8 @@ function film({ rate, count, capacity }) {
   return { video, tick };
 }
 
-/** `refreshes` of the screen are needed to look at a picture. */
-async function watch(t, options, refreshes = 1) {
+/** One refresh of the screen is needed to look at a picture. */
+async function watch(t, options) {
   const { video, tick } = film(options);
   const document = { hidden: false, addEventListener() {} };
   setGlobals(t, { document, createImageBitmap: async () => ({ close() {} }) });
@@ -324,7 +322,7 @@ async function watch(t, options, refreshes = 1) {
   const timer = setInterval(tick, 0);
   for await (const { time } of playedFrames(video, 120, new AbortController().signal)) {
     times.push(time);
-    const until = video.played + refreshes / SCREEN_HZ;
+    const until = video.played + 1 / SCREEN_HZ;
     while (video.played < until && !video.paused) await new Promise(setImmediate);
   }
   clearInterval(timer);
