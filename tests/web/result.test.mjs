@@ -66,10 +66,7 @@ test("the views to take again are named, and only those", () => {
       [5, "left_out"],
     ],
   );
-  const [first, ...others] = report.views;
-  assert.equal(viewIssue({ ...first, reason: "outlier" }, [first, ...others]), "left_out");
-  assert.equal(viewIssue({ ...first, cut: [0, 1, 2, 3, 4] }, [first, ...others]), "some_cut");
-  const even = [0.2, 0.22, 0.25].map((rms) => ({ ...first, rms }));
+  const even = [0.2, 0.22, 0.25].map((rms) => ({ ...report.views[0], rms }));
   assert.ok(even.every((view) => viewIssue(view, even) === null));
 });
 
@@ -109,11 +106,8 @@ test("an error is a part of a pixel, a length and an angle", () => {
   const camera = calibrationOf([1000], [0, 0]);
   const { mm, degrees } = errorInScene(0.5, camera, 10);
   assert.ok(Math.abs(mm - 5) < 1e-9 && Math.abs(degrees - 0.02864789) < 1e-6);
-  const wide = errorInScene(
-    0.5,
-    { ...camera, distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] },
-    10,
-  );
+  const omnidirectional = { distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] };
+  const wide = errorInScene(0.5, { ...camera, ...omnidirectional }, 10);
   assert.ok(Math.abs(wide.mm - 10) < 1e-9, "by the focal length at the axis");
 });
 
@@ -206,7 +200,7 @@ test("the board's shape is described if it is certain", () => {
 
 const { document } = parseHTML("<!doctype html>");
 const SIZE = [1280, 720];
-const camera = (f, distortion_model, distortion_coefficients) =>
+const camera = (f, distortion_model = "rectilinear", distortion_coefficients = [0, 0, 0, 0, 0]) =>
   calibrationOf([f], [639.5, 359.5], { distortion_model, distortion_coefficients });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
 
@@ -219,7 +213,7 @@ test("the advice names the views to retake", (t) => {
 test("a lens without distortion has 0 px in its caption", (t) => {
   setGlobals(t, { document });
   const lenses = [
-    camera(800, "rectilinear", [0, 0, 0, 0, 0]),
+    camera(800),
     camera(800, "rational", [0, 0, 0, 0, 0, 0, 0, 0]),
     camera(800, "omnidirectional", [0, 0, 0, 0, 0]),
   ];
@@ -268,7 +262,7 @@ test("the error map's bands and numbers are at their values", (t) => {
   const px = Array.from({ length: rows }, (_, row) =>
     Array.from({ length: columns }, (_, column) => 0.1 + 0.01 * (row + column)),
   );
-  const lens = { ...camera(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
+  const lens = { ...camera(800), uncertainty: { rms: 0.26, max: 0.4 } };
   const { svg, levels } = errorPlot(lens, { error_map: { grid: [columns, rows], px }, views: [] });
   const area = svg.querySelector("svg");
   assert.match(svg.getAttribute("aria-label"), /0\.26\spx.*0\.40\spx/);
@@ -283,16 +277,9 @@ test("the error map's bands and numbers are at their values", (t) => {
     assert.ok(levels.some((level) => Math.abs(level - Number(number.textContent)) < 0.005));
   }
   const bands = [...area.querySelectorAll("path[class^='heat-']")].map((path) =>
-    path
-      .getAttribute("d")
-      .split("Z")
-      .filter(Boolean)
-      .map((part) =>
-        part
-          .slice(1)
-          .split("L")
-          .map((pair) => pair.split(" ").map(Number)),
-      ),
+    Array.from(path.getAttribute("d").matchAll(/[^MZ]+/g), ([polygon]) =>
+      polygon.split("L").map((pair) => pair.split(" ").map(Number)),
+    ),
   );
   assert.equal(bands.length, 8);
   for (const [u, v] of [
@@ -326,17 +313,8 @@ test("values are linear between centres, constant at the edge", () => {
     [199, 99, 4],
   ];
   for (const [u, v, value] of around) assert.ok(Math.abs(valueAt(px, size, [u, v]) - value) < 1e-9, `${u}, ${v}`);
-  assert.equal(
-    valueAt(
-      [
-        [1, null],
-        [3, 4],
-      ],
-      size,
-      [99, 40],
-    ),
-    null,
-  );
+  px[0][1] = null;
+  assert.equal(valueAt(px, size, [99, 40]), null);
 });
 
 test("a finer map goes smoothly through the values that there are", () => {
@@ -353,11 +331,8 @@ test("a finer map goes smoothly through the values that there are", () => {
     }
   }
   coarse[3][4] = null;
-  assert.ok(
-    refined(coarse, 4)
-      .flat()
-      .filter((each) => each === null).length > 16,
-  );
+  const unknown = refined(coarse, 4).flat();
+  assert.ok(unknown.filter((each) => each === null).length > 16);
 });
 
 test("the grid has straight lines for a pinhole only", () => {
@@ -369,7 +344,7 @@ test("the grid has straight lines for a pinhole only", () => {
         return Math.max(...line.map(([u, v]) => Math.abs((p - x) * (v - y) - (q - y) * (u - x)) / length));
       }),
     );
-  assert.ok(bend(camera(800, "rectilinear", [0, 0, 0, 0, 0])) < 1e-6);
+  assert.ok(bend(camera(800)) < 1e-6);
   assert.ok(bend(camera(800, "rectilinear", [-0.2, 0.03, 0, 0, 0])) > 20);
   assert.ok(gridLines(camera(300, "fisheye", [0, 0, 0, 0])).length > 20);
 });
