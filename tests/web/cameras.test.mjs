@@ -165,17 +165,14 @@ test("identifiers are Apple's, and none stands for two models", () => {
 
 test("only ambiguous iPhones are asked about", async (t) => {
   const kept = keepHere(t);
-  assert.equal(await askPhoneModel(signal, { userAgent: MAC, screen: air }), "");
-  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: { width: 1, height: 2, ratio: 3 } }), "");
+  const ask = (userAgent, screen) => askPhoneModel(signal, { userAgent, screen });
+  assert.equal(await ask(MAC, air), "");
+  assert.equal(await ask(SAFARI, { width: 1, height: 2, ratio: 3 }), "");
   assert.equal(kept.size, 0);
-  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: air }), "iPhone18,4");
+  assert.equal(await ask(SAFARI, air), "iPhone18,4");
   assert.equal(phoneModel(), "iPhone18,4");
   kept.set("calibdb.phone-model", "-");
-  assert.equal(
-    await askPhoneModel(signal, { userAgent: SAFARI, screen: air }),
-    "",
-    "who does not know is not asked again",
-  );
+  assert.equal(await ask(SAFARI, air), "", "who does not know is not asked again");
 });
 
 test("cameras and those ready at any size are counted", () => {

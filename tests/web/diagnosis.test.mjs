@@ -6,11 +6,11 @@ import { HEALTHY, diagnose } from "../../web/lib/capture/sight.js";
 import { blackSquares } from "../../web/lib/capture/marks.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
-import { METRICS, cornersSeen, rectangle, see } from "./scenes.mjs";
+import { METRICS, PINHOLE, cornersSeen, rectangle, see } from "./scenes.mjs";
 import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
-const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+const LENS = { ...PINHOLE, cx: 664.5, cy: 359.5, k1: -0.25 };
 const POSES = [
   { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] },
   { rvec: [0, 0, 0], tvec: [-4, -3, 7] },

@@ -13,7 +13,7 @@ import { transformPoint } from "../../web/lib/pose.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { Sessions } from "./sessions.mjs";
 import { setGlobals } from "./globals.mjs";
-import { isInside, rectangle } from "./scenes.mjs";
+import { PINHOLE, isInside, rectangle } from "./scenes.mjs";
 
 /** EXIF of a Canon EOS R6, turned by a quarter, at 24.3 mm. @param {boolean} little its byte order */
 function tiff(little) {
@@ -343,7 +343,7 @@ test("a browser that misses frames is given the time that it needs", async (t) =
 
 const POSE = { rvec: [0.3, -0.4, 0.05], tvec: [-5.5, -3.5, 9] };
 /** A lens whose model folds the edge of the board back: a fit of few views may say that. */
-const FOLDING = projectionOf({ fx: 900, fy: 900, cx: 640, cy: 360, k1: -0.5, k2: 0.1, p1: 0, p2: 0, k3: 0 });
+const FOLDING = projectionOf({ ...PINHOLE, fx: 900, fy: 900, k1: -0.5, k2: 0.1 });
 
 for (const board of [
   DEFAULT_BOARD,

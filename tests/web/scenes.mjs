@@ -1,8 +1,11 @@
 // Calibrations, and boards as a simulated camera sees them.
-import { corners } from "../../web/lib/board.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { transformPoint } from "../../web/lib/pose.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
+
+export const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
+export const CHESSBOARD = { ...DEFAULT_BOARD, kind: "chessboard", squares: [10, 7] };
 
 /** @param {number[]} focal fx and fy, or one for both @param {number[]} centre */
 export const cameraMatrix = ([fx, fy = fx], [cx, cy]) => [

@@ -8,7 +8,7 @@ import { BoardWatch } from "../../web/lib/capture/board-watch.js";
 import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
 import { foreshortening, observedOutline } from "../../web/lib/board-outline.js";
 import { apply, homography } from "../../web/lib/homography.js";
-import { METRICS, distances, rectangle, see } from "./scenes.mjs";
+import { CHESSBOARD, METRICS, PINHOLE, distances, rectangle, see } from "./scenes.mjs";
 
 const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
 
@@ -60,7 +60,7 @@ test("too few common corners are no evidence of stillness", () => {
   assert.equal(observe(watch([100, 100]), few, 200, 1280).held, 0);
 });
 
-const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
+const LENS = { ...PINHOLE, k1: -0.2 };
 const CENTRE = [4.5, 3, 0];
 const seen = (pose) => see(LENS, pose, outline(DEFAULT_BOARD));
 /** The board turned so about its centre, which is there in the camera's frame. */
@@ -140,7 +140,6 @@ test("areas overlap within the picture, in either winding", () => {
   }
 });
 
-const CHESSBOARD = { ...DEFAULT_BOARD, kind: "chessboard", squares: [10, 7] };
 const lattice = ([columns, rows], [left, top] = [300, 200]) => ({
   squares: [columns, rows],
   isPlain: true,
@@ -221,7 +220,6 @@ test("looks are due while no board is seen, with pauses", () => {
   assert.equal(watch.isDue(4500, 5500), true);
 });
 
-const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const BARREL = { ...PINHOLE, k1: -0.25 };
 const POSE = { rvec: [0.5, -0.6, 0.2], tvec: [-4, -3, 11] };
 test("a plane seen by a pinhole is a homography, to 1e-8 px", () => {

@@ -18,10 +18,9 @@ import { Announcer } from "../../web/lib/capture/feedback.js";
 import { propose } from "../../web/lib/camera.js";
 import * as statusText from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
-import { calibrationOf, cornersSeen, see } from "./scenes.mjs";
+import { PINHOLE, calibrationOf, cornersSeen, see } from "./scenes.mjs";
 import "./messages.mjs";
 
-const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
 const SESSION = {
   status: "capturing",
@@ -628,7 +627,6 @@ const having = (changes, state = fresh) => ({
   ...state,
   ...Object.fromEntries(Object.entries(changes).map(([part, change]) => [part, { ...state[part], ...change }])),
 });
-const state = having({ ui: { cameras: [BUILT_IN, VIRTUAL] } });
 const key = { camera: "C920", platform: "X11", img_size: [1280, 720], zoom: 0 };
 
 test("the requested camera is proposed, never the virtual one", () => {
@@ -642,33 +640,21 @@ test("the requested camera is proposed, never the virtual one", () => {
 });
 
 test("a missing camera is reported once names are known", () => {
-  assert.equal(
-    statusText.wanted(state),
-    "This page was opened for C920 at 1280\u00a0×\u00a0720. That camera is not connected here.",
-  );
-  assert.equal(
-    statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })),
-    "This page was opened for C920 at 1280\u00a0×\u00a0720.",
-  );
-  const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(
-    statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })),
-    "This page was opened for C920 at 1280\u00a0×\u00a0720.",
-  );
-  assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
+  const said = (...cameras) => statusText.wanted(having({ ui: { cameras } }));
+  const opened = "This page was opened for C920 at 1280\u00a0×\u00a0720.";
+  assert.equal(said(BUILT_IN, VIRTUAL), `${opened} That camera is not connected here.`);
+  assert.equal(said(C920, VIRTUAL), opened);
+  assert.equal(said({ id: "", label: "Camera 1", named: false }, VIRTUAL), opened);
+  assert.match(said(VIRTUAL), /No camera was found here/);
 });
 
 test("another camera or size than requested is reported", () => {
-  assert.equal(statusText.cameraMismatch(having({ capture: { key } })), "");
-  assert.match(
-    statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })),
-    /C920 at 1280\u00a0×\u00a0720. Open now: Integrated Camera/,
-  );
-  assert.match(
-    statusText.cameraMismatch(having({ capture: { key: { ...key, img_size: [640, 480] } } })),
-    /Open now: C920 at 640\u00a0×\u00a0480/,
-  );
-  assert.equal(statusText.cameraMismatch(having({ capture: { key }, wanted: { camera: null } })), "");
+  const said = (more, wanted = {}) =>
+    statusText.cameraMismatch(having({ capture: { key: { ...key, ...more } }, wanted }));
+  assert.equal(said({}), "");
+  assert.match(said({ camera: "Integrated Camera" }), /C920 at 1280\u00a0×\u00a0720. Open now: Integrated Camera/);
+  assert.match(said({ img_size: [640, 480] }), /Open now: C920 at 640\u00a0×\u00a0480/);
+  assert.equal(said({}, { camera: null }), "");
 });
 
 test("all that is sent is shown, as it is sent", () => {
@@ -706,19 +692,17 @@ test("news are announced once, instructions on change", async () => {
 });
 
 test("a model that would fit better is offered, unless it is the one", () => {
-  const session = { suggested_model: "fisheye" };
-  assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with lens model “Fisheye”");
-  assert.equal(
-    statusText.suggestedModel(having({ capture: { session }, wanted: { distortion_model: "fisheye" } })),
-    "",
-  );
-  assert.equal(statusText.suggestedModel(state), "");
+  const offered = having({ capture: { session: { suggested_model: "fisheye" } } });
+  assert.equal(statusText.suggestedModel(offered), "Start again with lens model “Fisheye”");
+  assert.equal(statusText.suggestedModel(having({ wanted: { distortion_model: "fisheye" } }, offered)), "");
+  assert.equal(statusText.suggestedModel(fresh), "");
 });
 
 test("what is waited for is named", () => {
-  assert.match(statusText.opening(having({ ui: { waiting: "camera" } })), /If your browser asks, allow it/);
-  assert.match(statusText.opening(having({ ui: { waiting: "service" } })), /Opening a session at calibDB/);
-  assert.match(statusText.opening(having({ ui: { waiting: "service" }, link: { attempts: 2 } })), /lost. Trying again/);
+  const said = (waiting, attempts = 0) => statusText.opening(having({ ui: { waiting }, link: { attempts } }));
+  assert.match(said("camera"), /If your browser asks, allow it/);
+  assert.match(said("service"), /Opening a session at calibDB/);
+  assert.match(said("service", 2), /lost. Trying again/);
 });
 
 test("the status line says that the detector is loading", () => {

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { hear, stateOf } from "../../web/status/health.js";
+import { inTurn } from "./globals.mjs";
 
 const NOW = 1_795_000_000;
 const SETTINGS = { ok: true, status: 200, ms: 12, body: { api: "/v1" } };
@@ -56,32 +57,18 @@ test("the canary is shown where there is one: well, failed, or late", () => {
   const run = (more) => ({ ok: true, at: NOW - 60, took_ms: 1800, failed_at: null, ...more });
   const row = (canary) => stateOf(heard([], canary), SETTINGS, NOW).rows.at(-1);
   assert.equal(row(run({})).state, "ok");
-  assert.deepEqual(
-    [row(run({ ok: false, failed_at: "view" })).state, row(run({ ok: false, failed_at: "view" })).words],
-    ["failed", "view"],
-  );
-  assert.equal(stateOf(heard([], run({ ok: false, failed_at: "view" })), SETTINGS, NOW).verdict, "canary");
-  assert.deepEqual([row(run({ at: NOW - 1600 })).state, row(run({ at: NOW - 1600 })).words], ["unknown", "late"]);
+  const failed = run({ ok: false, failed_at: "view" });
+  assert.deepEqual([row(failed).state, row(failed).words], ["failed", "view"]);
+  assert.equal(stateOf(heard([], failed), SETTINGS, NOW).verdict, "canary");
+  const late = row(run({ at: NOW - 1600 }));
+  assert.deepEqual([late.state, late.words], ["unknown", "late"]);
 });
 
 test("whatever answers is heard, and silence too", async (context) => {
-  const answers = [
-    () => new Response("<html>", { status: 502 }),
-    () => {
-      throw new TypeError("Failed to fetch");
-    },
-  ];
-  context.mock.method(globalThis, "fetch", async () => answers.shift()());
-  assert.deepEqual(await hear(new URL("https://calibdb.example/healthz"), () => 0), {
-    ok: false,
-    status: 502,
-    ms: 0,
-    body: null,
-  });
-  assert.deepEqual(await hear(new URL("https://calibdb.example/healthz"), () => 0), {
-    ok: false,
-    status: 0,
-    ms: 0,
-    body: null,
-  });
+  const answers = [new Response("<html>", { status: 502 }), new TypeError("Failed to fetch")];
+  context.mock.method(globalThis, "fetch", async () => inTurn(answers));
+  for (const status of [502, 0]) {
+    const said = await hear(new URL("https://calibdb.example/healthz"), () => 0);
+    assert.deepEqual(said, { ok: false, status, ms: 0, body: null });
+  }
 });

@@ -5,7 +5,7 @@ import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
 import { matchPose } from "../../web/lib/virtual/match.js";
-import { distances, rms, see } from "./scenes.mjs";
+import { PINHOLE, distances, rms, see } from "./scenes.mjs";
 
 test("a hand misses by about 3° and 3 %, reproducibly", () => {
   const target = { rvec: [0.5, -0.3, 0.1], tvec: [-4, -3, 10] };
@@ -36,7 +36,7 @@ test("an address sets the frame rate within limits", () => {
   assert.deepEqual(["", "rate=10", "rate=0", "rate=1e9", "rate=x"].map(rate), [30, 10, 2, 60, 30]);
 });
 
-const LENS = { fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0, p2: 0, k3: 0 };
+const LENS = { ...PINHOLE, fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05 };
 const PIVOT = [4.5, 3, 0];
 const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
 const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
@@ -46,7 +46,7 @@ const apart = (points, others) => rms(distances(points, others));
 const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });
 
 test("the board covers an outline drawn for another lens", () => {
-  const drawn = { ...LENS, fx: 1000, fy: 1000, cx: 639.5, cy: 359.5, k1: 0, k2: 0 };
+  const drawn = { ...PINHOLE, cx: 639.5, cy: 359.5 };
   const target = { ...TARGET, ids, corners: see(drawn, TARGET, CORNERS) };
   assert.ok(apart(see(LENS, TARGET, CORNERS), target.corners) > 60, "the numbers alone lead far away");
   assert.ok(apart(see(LENS, matchPose(DEFAULT_BOARD, LENS, target), CORNERS), target.corners) < 12);
