@@ -20,6 +20,8 @@ function service(answers, transport = {}) {
   return { api, calls, waits };
 }
 
+const get = (api, options) => api.json("GET", "/session", "sid", options);
+
 test("a lost network and a busy service are retried", async () => {
   const { api, calls, waits } = service([
     new OfflineError(),
@@ -46,7 +48,7 @@ test("an hour that is used up is said at once", async () => {
 
 test("retries end after a minute", async () => {
   const { api, waits } = service([new OfflineError()]);
-  await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
+  await assert.rejects(get(api), OfflineError);
   assert.equal(
     waits.reduce((sum, ms) => sum + ms),
     60_500,
@@ -73,15 +75,15 @@ test("whoever gets through ends the waiting, also of a call that gave up", async
   const { api } = service([lost, lost, lost, json(200, {}), json(200, {})], {
     onRetry: (now) => retries.push(now?.attempt ?? 0),
   });
-  await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
-  await api.json("GET", "/session", "sid", { brief: true });
-  await api.json("GET", "/session", "sid", { brief: true });
+  await assert.rejects(get(api, { brief: true }), OfflineError);
+  await get(api, { brief: true });
+  await get(api, { brief: true });
   assert.deepEqual(retries, [1, 2, 0]);
 });
 
 test("a brief call gives up a silent server after one wait", async () => {
   const { api, calls } = service([new OfflineError(true)]);
-  await assert.rejects(api.json("GET", "/session", "sid", { brief: true }), OfflineError);
+  await assert.rejects(get(api, { brief: true }), OfflineError);
   assert.equal(calls.length, 1);
 });
 
@@ -101,7 +103,7 @@ test("a silent server is offline", async () => {
 
 test("a programming error is not a lost network", async () => {
   const { api } = service([new RangeError("ours")]);
-  await assert.rejects(api.json("GET", "/session", "sid"), RangeError);
+  await assert.rejects(get(api), RangeError);
 });
 
 test("a module that did not arrive is a lost network", () => {
@@ -118,6 +120,6 @@ test("a module that did not arrive is a lost network", () => {
 test("nothing more is asked once the run has ended", async () => {
   const run = new AbortController();
   const { api, calls } = service([new OfflineError()], { wait: async () => run.abort(), signal: run.signal });
-  await assert.rejects(api.json("GET", "/session", "sid"), { name: "AbortError" });
+  await assert.rejects(get(api), { name: "AbortError" });
   assert.equal(calls.length, 1);
 });

@@ -52,19 +52,14 @@ test("the difference of two lenses leaves out how the camera was turned", () => 
   const longer = lensDifference(one, lens(909, 640));
   // One per cent of the focal length is one per cent of the distance to the centre, 0 to 7 px.
   assert.ok(Math.abs(longer.rms - 4.1) < 0.5 && longer.max > 6 && longer.max < 7.3, `${longer.rms} ${longer.max}`);
-  assert.equal(longer.px.length, 12);
-  assert.equal(longer.px[0].length, 20);
 });
 
 test("the error of a consensus is the spread of its model", () => {
   const member = (fx, model = "rectilinear", in_group = true) => ({
-    id: "m",
-    time: 0,
     fx,
     fy: fx,
     cx: 640,
     cy: 360,
-    rms: 0.2,
     model,
     in_group,
   });

@@ -230,32 +230,24 @@ test("a second call changes the provider and wraps nothing twice", async () => {
 });
 
 test("two eyes are two cameras", async () => {
-  const { global, session, answer } = running({ holds: ({ img_size: [width] }) => width === 640 });
+  const holds = ({ img_size: [width] }) => width === 640;
+  const { global, session, answer } = running({ holds });
   session.seen = [{ eye: "left" }, { eye: "right" }, { eye: "none" }];
   look(global, session);
   await answer(0, { left: PLAIN, right: FISHEYE });
-  assert.deepEqual(
-    views(global, session).map((view) => view.distortionModel),
-    ["rectilinear", "fisheye", "rectilinear"],
-  );
+  const models = (of) => views(global, of).map((view) => view.distortionModel);
+  assert.deepEqual(models(session), ["rectilinear", "fisheye", "rectilinear"]);
   const errors = [];
   for (const answer of [
     { left: PLAIN, right: null },
     { left: PLAIN, right: { ...FISHEYE, img_size: [1280, 960] } },
   ]) {
-    extend(async () => answer, {
-      global,
-      holds: ({ img_size: [width] }) => width === 640,
-      onError: (error) => errors.push(error),
-    });
+    extend(async () => answer, { global, holds, onError: (error) => errors.push(error) });
     const next = new global.XRSession();
     next.seen = session.seen;
     look(global, next);
     await settled();
-    assert.deepEqual(
-      views(global, next).map((view) => view.distortionModel),
-      ["rectilinear", null, "rectilinear"],
-    );
+    assert.deepEqual(models(next), ["rectilinear", null, "rectilinear"]);
   }
   assert.deepEqual(errors, []);
 });
