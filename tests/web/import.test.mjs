@@ -191,23 +191,13 @@ test("other tools' texts are first guesses", () => {
   assert.equal(decode(Uint8Array.from(Buffer.from(text, "utf16le").swap16()).buffer), text);
 });
 
-test("a picture without a board is one line of a table", () => {
-  const lines = corners(BOARD).map((corner) => `b.png ${place(corner, 0).join(" ")} 0`);
-  const text = ["# filename x y level", "a.png - - -", ...lines, "c.png - - -"].join("\n");
-  assert.ok(isTable(text));
-  assert.deepEqual(
-    table(text, [9, 6]).map(({ name, image }) => [name, image.length]),
-    [["b.png", 40]],
-  );
-  refused("lines", () => table(text.replace("c.png - - -", "c.png 1 2 0"), [9, 6]));
-});
-
 test("a table of corners is read once its board is known", () => {
   const lines = ["# 8 x 5 corners, one square apart", "# filename x y level"];
   for (const name of ["a.png", "b.png"])
     corners(BOARD).forEach((corner, i) =>
       lines.push(i === 2 ? `${name} - - -` : `${name} ${place(corner, 0).join(" ")} 0`),
     );
+  lines.push("c.png - - -"); // a picture without a board
   const text = `${lines.join("\n")}\n`;
   assert.deepEqual(read(text), { kind: "table", text, squares: [9, 6] });
   const { board, views } = prepare(table(text, [9, 6]), SIZE);
@@ -220,6 +210,7 @@ test("a table of corners is read once its board is known", () => {
     ],
   );
   refused("lines", () => table(text, [8, 6]));
+  refused("lines", () => table(text.replace("c.png - - -", "c.png 1 2 0"), [9, 6]));
   refused("fields", () => table("a.png 1\n", [3, 4]));
   refused("fields", () => table("a.png one two\n", [3, 4]));
   assert.equal(squaresIn("a.png 1 2\n"), null);

@@ -274,7 +274,6 @@ test("the error map's bands and numbers are at their values", (t) => {
     const place = ["x", "y"].map((name, axis) => (number.getAttribute(name) - [left, top][axis]) / unit - 0.5);
     const value = valueAt(px, SIZE, place);
     assert.ok(Math.abs(value - Number(number.textContent)) < 0.005, `${number.textContent} stands at ${value}`);
-    assert.ok(levels.some((level) => Math.abs(level - Number(number.textContent)) < 0.005));
   }
   const bands = [...area.querySelectorAll("path[class^='heat-']")].map((path) =>
     Array.from(path.getAttribute("d").matchAll(/[^MZ]+/g), ([polygon]) =>

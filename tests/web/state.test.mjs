@@ -269,14 +269,8 @@ test("what was said of one target does not stand for the next", () => {
 });
 
 test("in a mirrored preview left is right", () => {
-  assert.deepEqual(["left", "up_right", "tilt_left", "turn_clockwise", "tilt_top", "closer"].map(asMirrored), [
-    "right",
-    "up_left",
-    "tilt_right",
-    "turn_counterclockwise",
-    "tilt_top",
-    "closer",
-  ]);
+  const codes = ["up_right", "tilt_left", "turn_clockwise", "closer"];
+  assert.deepEqual(codes.map(asMirrored), ["up_left", "tilt_right", "turn_counterclockwise", "closer"]);
   const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).ui.instruction.code;
   const known = { type: "pose", pose: target(THERE), picture: "blob:2", time: 0 };
   assert.equal(shown(capturing(), known), "tilt_left");
