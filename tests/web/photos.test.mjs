@@ -7,13 +7,11 @@ import { questionOf } from "../../web/photos/likely.js";
 import { rankByNovelty, sortByGain } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
 import { playedFrames } from "../../web/photos/video-frames.js";
-import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { drawnBoard } from "../../web/photos/wanted.js";
-import { transformPoint } from "../../web/lib/pose.js";
-import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { Sessions } from "./sessions.mjs";
 import { setGlobals } from "./globals.mjs";
-import { PINHOLE, isInside, rectangle } from "./scenes.mjs";
+import { PINHOLE, isInside, targetOf } from "./scenes.mjs";
 
 /** EXIF of a Canon EOS R6, turned by a quarter, at 24.3 mm. @param {boolean} little its byte order */
 function tiff(little) {
@@ -343,7 +341,7 @@ test("a browser that misses frames is given the time that it needs", async (t) =
 
 const POSE = { rvec: [0.3, -0.4, 0.05], tvec: [-5.5, -3.5, 9] };
 /** A lens whose model folds the edge of the board back: a fit of few views may say that. */
-const FOLDING = projectionOf({ ...PINHOLE, fx: 900, fy: 900, k1: -0.5, k2: 0.1 });
+const FOLDING = { ...PINHOLE, fx: 900, fy: 900, k1: -0.5, k2: 0.1 };
 
 for (const board of [
   DEFAULT_BOARD,
@@ -351,13 +349,7 @@ for (const board of [
   { ...DEFAULT_BOARD, kind: "chessboard", squares: [9, 7] },
 ]) {
   test(`the squares and markers of a drawn board lie within its rim: ${JSON.stringify(board)}`, () => {
-    const places = corners(board);
-    const project = (place) => FOLDING.project(transformPoint(POSE, [...place, 0]));
-    const pose = {
-      ids: places.map((_, id) => id),
-      corners: places.map(project),
-      outline: rectangle(0, 0, 1),
-    };
+    const pose = targetOf(board, FOLDING, POSE);
     const { rim, black } = drawnBoard(board, pose);
     const centres = black.map((polygon) =>
       [0, 1].map((k) => polygon.reduce((sum, point) => sum + point[k], 0) / polygon.length),

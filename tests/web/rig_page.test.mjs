@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, OfflineError } from "../../web/lib/api.js";
-import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { composePoses } from "../../web/lib/pose.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
 import { MOVING } from "../../web/lib/capture/stillness.js";
@@ -14,7 +14,7 @@ import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
 import { inTurn } from "./globals.mjs";
-import { cornersSeen, distances, see } from "./scenes.mjs";
+import { cornersSeen, distances, targetOf } from "./scenes.mjs";
 import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
@@ -196,18 +196,9 @@ test("the simulated board covers the target in the first camera", () => {
   const parameters = new URLSearchParams("error=0");
   const { lens, size } = setupAt(parameters, 0);
   const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
-  const places = boardCorners(DEFAULT_BOARD);
-  const corners = see(lens, pose, places);
-  const target = {
-    position: 0,
-    ...pose,
-    rvec: [0.32, -0.2, 0.1],
-    ids: places.map((_, id) => id),
-    corners,
-    outline: [],
-  };
+  const target = { position: 0, ...targetOf(DEFAULT_BOARD, lens, pose), rvec: [0.32, -0.2, 0.1] };
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
-  const off = distances(see(lens, found, places), corners);
+  const off = distances(cornersSeen(DEFAULT_BOARD, lens, found).points, target.corners);
   assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
   assert.equal(boardPose([], DEFAULT_BOARD, parameters), null);
 });

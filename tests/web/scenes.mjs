@@ -1,5 +1,5 @@
 // Calibrations, and boards as a simulated camera sees them.
-import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
+import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
 import { transformPoint } from "../../web/lib/pose.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
@@ -42,6 +42,12 @@ export const rectangle = (left, top, width, height = width) => [
   [left + width, top + height],
   [left, top + height],
 ];
+
+/** A target pose, as the service gives it. */
+export function targetOf(board, lens, pose) {
+  const { ids, points } = cornersSeen(board, lens, pose);
+  return { ...pose, ids, corners: points, outline: see(lens, pose, outline(board)) };
+}
 
 /** Grey picture of a board; pose null: of a wall. */
 export function photograph(board, lens, [width, height], pose) {

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readFileSync } from "node:fs";
-import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
+import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { decide, holdProgress } from "../../web/calibrate/guidance.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
@@ -18,7 +18,7 @@ import { Announcer } from "../../web/lib/capture/feedback.js";
 import { propose } from "../../web/lib/camera.js";
 import * as statusText from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
-import { PINHOLE, calibrationOf, cornersSeen, see } from "./scenes.mjs";
+import { PINHOLE, calibrationOf, cornersSeen, see, targetOf } from "./scenes.mjs";
 import "./messages.mjs";
 
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
@@ -37,11 +37,7 @@ const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
 
 const target = (pose, index = 0) => ({
   index,
-  rvec: pose.rvec,
-  tvec: pose.tvec,
-  ids: corners(DEFAULT_BOARD).map((_, id) => id),
-  corners: see(PINHOLE, pose, corners(DEFAULT_BOARD)),
-  outline: see(PINHOLE, pose, outline(DEFAULT_BOARD)),
+  ...targetOf(DEFAULT_BOARD, PINHOLE, pose),
   purpose: "focal length",
   hint: "Tilt the board",
 });

@@ -5,7 +5,7 @@ import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
 import { matchPose } from "../../web/lib/virtual/match.js";
-import { PINHOLE, distances, rms, see } from "./scenes.mjs";
+import { PINHOLE, distances, rms, see, targetOf } from "./scenes.mjs";
 
 test("a hand misses by about 3° and 3 %, reproducibly", () => {
   const target = { rvec: [0.5, -0.3, 0.1], tvec: [-4, -3, 10] };
@@ -41,13 +41,12 @@ const PIVOT = [4.5, 3, 0];
 const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
 const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
 const CORNERS = corners(DEFAULT_BOARD);
-const ids = CORNERS.map((_, id) => id);
 const apart = (points, others) => rms(distances(points, others));
 const hand = (kind, error = 0) => new Hand(kind, { error, seed: 3, pivot: PIVOT, focal: LENS.fx, start: START });
 
 test("the board covers an outline drawn for another lens", () => {
   const drawn = { ...PINHOLE, cx: 639.5, cy: 359.5 };
-  const target = { ...TARGET, ids, corners: see(drawn, TARGET, CORNERS) };
+  const target = targetOf(DEFAULT_BOARD, drawn, TARGET);
   assert.ok(apart(see(LENS, TARGET, CORNERS), target.corners) > 60, "the numbers alone lead far away");
   assert.ok(apart(see(LENS, matchPose(DEFAULT_BOARD, LENS, target), CORNERS), target.corners) < 12);
   assert.ok(apart(see(drawn, matchPose(DEFAULT_BOARD, drawn, target), CORNERS), target.corners) < 1e-6);
