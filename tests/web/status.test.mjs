@@ -19,20 +19,14 @@ const heard = (failed = [], canary = null) => ({
     })),
   },
 });
+const ALL_WELL = { pages: "ok", functions: "ok", table: "ok", bucket: "ok", solver: "ok", edge: "ok" };
 const states = ({ rows }) => Object.fromEntries(rows.map(({ name, state }) => [name, state]));
 
 test("every part is told for itself, whatever the status of the answer", () => {
   assert.equal(stateOf(heard(), SETTINGS, NOW).verdict, "all");
   const failed = stateOf(heard(["bucket"]), SETTINGS, NOW);
   assert.equal(failed.verdict, "some");
-  assert.deepEqual(states(failed), {
-    pages: "ok",
-    functions: "ok",
-    table: "ok",
-    bucket: "failed",
-    solver: "ok",
-    edge: "ok",
-  });
+  assert.deepEqual(states(failed), { ...ALL_WELL, bucket: "failed" });
   assert.equal(stateOf(heard(["edge"]), SETTINGS, NOW).verdict, "edge");
 });
 
@@ -41,14 +35,8 @@ test("functions that are down are said to be down, with what still works", () =>
   for (const health of [gateway, { ...gateway, body: null }, { ...gateway, status: 0, body: null }]) {
     const found = stateOf(health, SETTINGS, NOW);
     assert.equal(found.verdict, "functions");
-    assert.deepEqual(states(found), {
-      pages: "ok",
-      functions: "failed",
-      table: "unknown",
-      bucket: "unknown",
-      solver: "unknown",
-      edge: "unknown",
-    });
+    const { pages, functions, ...parts } = states(found);
+    assert.deepEqual([pages, functions, ...new Set(Object.values(parts))], ["ok", "failed", "unknown"]);
   }
   assert.equal(stateOf(gateway, { ok: false, status: 0, ms: 5, body: null }, NOW).verdict, "nothing");
 });
