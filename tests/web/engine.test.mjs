@@ -81,6 +81,9 @@ function lasting(ms) {
   return { isOver: () => performance.now() - start > ms, act: async () => {} };
 }
 
+/** A single camera. */
+const only = (stream) => [{ stream, half: 0 }];
+
 const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
@@ -106,7 +109,7 @@ test("each camera is looked at in each round, and no image is left open", async 
 test("the fourth failure of a detector ends the capture", async (t) => {
   const made = Array.from({ length: 4 }, () => detectorOf(new DetectorError("gone")));
   const page = pageOf(t, 1);
-  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], ...made).run(), DetectorError);
+  await assert.rejects(engineOf(page, only(streamOf()), ...made).run(), DetectorError);
   assert.deepEqual(page.log, ["stalled", "again", "stalled", "again", "stalled", "again"]);
   assert.deepEqual(
     made.map(({ closed }) => closed),
@@ -116,7 +119,7 @@ test("the fourth failure of a detector ends the capture", async (t) => {
 
 test("a turned device is reported before its images are looked at", async (t) => {
   const page = pageOf(t, 1);
-  await engineOf(page, [{ stream: { ...streamOf(), unchanged: false }, half: 0 }], detectorOf(detection())).run();
+  await engineOf(page, only({ ...streamOf(), unchanged: false }), detectorOf(detection())).run();
   assert.deepEqual(page.log, ["resized"]);
 });
 
@@ -150,7 +153,7 @@ test("focus is locked once, after a hold", async (t) => {
     ...lasting(600),
     onFocused: () => (focused += 1),
   });
-  await engineOf(page, [{ stream, half: 0 }], detectorOf(detection())).run();
+  await engineOf(page, only(stream), detectorOf(detection())).run();
   assert.deepEqual([stream.locked, focused], [1, 1]);
 });
 
@@ -169,7 +172,7 @@ test("other boards are searched while no corner is seen", async (t) => {
       isSearched: () => isSearched,
       suggest: (_, suggestion) => suggestions.push(suggestion),
     });
-    await engineOf(page, [{ stream: streamOf(), half: 0 }], detector).run();
+    await engineOf(page, only(streamOf()), detector).run();
     assert.equal(suggestions.length, looks);
     return suggestions;
   };

@@ -6,7 +6,7 @@ import { Calibration, UnknownModelError, lensOf, projectionMatrix } from "../../
 import { widePinhole } from "../../web/sdk/rectification.js";
 import { rectifiedMatrix, rectifyingMap } from "../../web/sdk/rectifier.js";
 
-import { calibrationOf, cameraMatrix } from "./scenes.mjs";
+import { calibrationOf, cameraMatrix, rectangle } from "./scenes.mjs";
 
 const vectors = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", import.meta.url), "utf8"));
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => value - b[axis]));
@@ -142,12 +142,7 @@ test("balance 0 has no black edge, balance 1 the whole picture", () => {
   assert.ok(filled(barrel, 1) < 0.97);
   const [[f, , cx], [, , cy]] = rectifiedMatrix(barrel, 1);
   const lens = lensOf(barrel);
-  for (const corner of [
-    [0, 0],
-    [SIZE[0] - 1, 0],
-    [0, SIZE[1] - 1],
-    [SIZE[0] - 1, SIZE[1] - 1],
-  ]) {
+  for (const corner of rectangle(0, 0, SIZE[0] - 1, SIZE[1] - 1)) {
     const [x, y, z] = lens.unproject(corner);
     const at = [(f * x) / z + cx, (f * y) / z + cy];
     assert.ok(at[0] > -1.5 && at[1] > -1.5 && at[0] < SIZE[0] + 0.5 && at[1] < SIZE[1] + 0.5, `${corner} at ${at}`);

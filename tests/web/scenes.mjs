@@ -57,7 +57,8 @@ export function photograph(board, lens, [width, height], pose) {
 }
 
 /** Distances of points from others, one by one. */
-export const distances = (points, others) => points.map(([x, y], n) => Math.hypot(x - others[n][0], y - others[n][1]));
+export const distances = (points, others) =>
+  points.map((point, n) => Math.hypot(...point.map((value, axis) => value - others[n][axis])));
 
 /** Root of the mean square. */
 export const rms = (values) => Math.sqrt(values.reduce((sum, value) => sum + value * value, 0) / values.length);
