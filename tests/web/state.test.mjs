@@ -10,7 +10,7 @@ import { HEALTHY } from "../../web/lib/capture/sight.js";
 import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../../web/lib/capture/target.js";
 import { observedOutline } from "../../web/lib/board-outline.js";
 import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrate/plan.js";
-import { Hand } from "../../web/lib/virtual/hand.js";
+import { HANDS, Hand } from "../../web/lib/virtual/hand.js";
 import { matchPose } from "../../web/lib/virtual/match.js";
 import { motion } from "../../web/lib/capture/stillness.js";
 import { seededRandom } from "../../web/lib/pose.js";
@@ -18,7 +18,7 @@ import { Announcer } from "../../web/lib/capture/feedback.js";
 import { propose } from "../../web/lib/camera.js";
 import * as statusText from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
-import { PINHOLE, calibrationOf, cornersSeen, see, targetOf } from "./scenes.mjs";
+import { PINHOLE, calibrationOf, cornersSeen, distances, rms, see, targetOf } from "./scenes.mjs";
 import "./messages.mjs";
 
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
@@ -546,6 +546,60 @@ test("an unknown model is drawn by the plan's own camera", () => {
 });
 
 const [WIDTH, HEIGHT] = KEY.img_size;
+test("an address sets the truth, and another truth is another camera", () => {
+  const [one, same, other] = ["k1=-0.25&error=0.5", "k1=-0.25&seed=9", "k1=-0.26&error=0.5"].map((more) =>
+    setupFrom(new URLSearchParams(`virtual=1&fx=1000&cx=664.5&k2=0&${more}`)),
+  );
+  const { fx, fy, cx, k1, k2 } = one.lens;
+  assert.deepEqual([fx, fy, cx, k1, k2, one.error], [1000, 1000, 664.5, -0.25, 0, 0.5]);
+  assert.notEqual(labelOf(one), labelOf(other));
+  assert.equal(labelOf(one), labelOf(same));
+});
+
+test("an address sets the frame rate within limits", () => {
+  const rate = (address) => setupFrom(new URLSearchParams(address)).rate;
+  assert.deepEqual(["", "rate=10", "rate=0", "rate=1e9", "rate=x"].map(rate), [30, 10, 2, 60, 30]);
+});
+
+const NARROW = { ...PINHOLE, fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05 };
+const AIM = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
+/** Distance, px rms, of a board that a lens sees from places. */
+const apart = (lens, pose, places) => rms(distances(cornersSeen(DEFAULT_BOARD, lens, pose).points, places));
+const hand = (kind, error = 0, seed = 3, focal = NARROW.fx) =>
+  new Hand(kind, { error, seed, pivot: [4.5, 3, 0], focal, start: { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] } });
+
+test("the board covers an outline drawn for another lens", () => {
+  const drawn = { ...PINHOLE, cx: 639.5, cy: 359.5 };
+  const target = targetOf(DEFAULT_BOARD, drawn, AIM);
+  assert.ok(apart(NARROW, AIM, target.corners) > 60, "the numbers alone lead far away");
+  assert.ok(apart(NARROW, matchPose(DEFAULT_BOARD, NARROW, target), target.corners) < 12);
+  assert.ok(apart(drawn, matchPose(DEFAULT_BOARD, drawn, target), target.corners) < 1e-6);
+  assert.deepEqual(matchPose(DEFAULT_BOARD, NARROW, AIM), { rvec: AIM.rvec, tvec: AIM.tvec });
+});
+
+test("a hand arrives on time and trembles as specified", () => {
+  for (const [kind, { travel, tremor, sway }] of Object.entries(HANDS)) {
+    const one = hand(kind);
+    one.follow(AIM, 1000);
+    const settled = 1000 + travel + 10;
+    const away = Array.from({ length: 12 }, (_, i) =>
+      apart(NARROW, one.pose(settled + 110 * i), see(NARROW, AIM, corners(DEFAULT_BOARD))),
+    );
+    const limit = 2.5 * (tremor + sway);
+    assert.ok(Math.max(...away) <= limit + 1e-9, `${kind}: ${Math.max(...away)} px`);
+    assert.ok(tremor === 0 || Math.max(...away) > tremor, kind);
+    assert.equal(one.moves(settled), tremor > 0);
+  }
+});
+
+test("a hand's way does not depend on painted frames", () => {
+  const [seldom, often] = ["person", "person"].map((kind) => hand(kind, 1));
+  for (let i = 0; i < 50; i++) often.blur();
+  for (const each of [seldom, often]) each.follow(AIM, 1000);
+  assert.deepEqual(often.pose(3000), seldom.pose(3000));
+  assert.ok(Array.from({ length: 100 }, () => often.blur()).some((px) => px > 0));
+});
+
 const WEBCAM = { ...PINHOLE, cx: 664.5, cy: 359.5, k1: -0.25 };
 const FRAME = 1000 / 15; // ms
 const NOISE = 0.1; // px
@@ -567,8 +621,7 @@ function seen(pose, blur, random) {
 /** A whole capture by the page's own targets, frame by frame, as the capture loop runs it. */
 function capture(kind, seed) {
   const random = seededRandom(seed);
-  const start = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
-  const hand = new Hand(kind, { error: 1, seed, pivot: [4.5, 3, 0], focal: WEBCAM.fx, start });
+  const held = hand(kind, 1, seed, WEBCAM.fx);
   let [planned, skipped, time] = [0, 0, 0];
   let state = reduce(capturing(), { type: "opened-offline", stored: 0, time });
   const dispatch = (event) => (state = reduce(state, event));
@@ -576,11 +629,11 @@ function capture(kind, seed) {
     const found = nextPlanned(PLAN, planned, DEFAULT_BOARD, KEY.img_size, null);
     planned = found.next;
     dispatch({ type: "pose", pose: found.pose, picture: null, time });
-    hand.follow(matchPose(DEFAULT_BOARD, WEBCAM, found.pose), time);
+    held.follow(matchPose(DEFAULT_BOARD, WEBCAM, found.pose), time);
   };
   next();
   for (; time < 180_000 && !isEnough(state); time += FRAME) {
-    const detection = seen(hand.pose(time), hand.blur(), random);
+    const detection = seen(held.pose(time), held.blur(), random);
     dispatch({ type: "frame", detection, time });
     const action = decide(state, time);
     if (action === "skip") {
@@ -588,7 +641,7 @@ function capture(kind, seed) {
       next();
     }
     if (action !== "submit") continue;
-    const view = seen(hand.pose(time + FRAME), 0, random);
+    const view = seen(held.pose(time + FRAME), 0, random);
     if (motion(state.sight.corners, view) > 3 * lenienceAfter(time - state.capture.posedAt)) continue;
     dispatch({ type: "stored", corners: view, stored: state.link.stored + 1, time });
     if (!isEnough(state)) next();
