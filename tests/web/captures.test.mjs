@@ -163,6 +163,14 @@ for (const room of [true, false]) {
 
 const FIRST_PAUSE_MS = 1_000;
 
+/** The queue of a page in a state that does not change; `events`: what it hears. */
+function queueOf(session, state, events) {
+  const page = { state: () => state, fail: (error) => assert.fail(error) };
+  const dispatch = (event) => events.push(event);
+  const { signal } = new AbortController();
+  return new RequestQueue(page, session, { dispatch, signal, onOffline() {}, async onOnline() {} });
+}
+
 /** An offline queue; each attempt to reconnect finds so many stored views, and may renew the session. */
 function away(t, storedMeanwhile, renewals = 0) {
   const browser = new EventTarget(); // what a page hears of its network
@@ -181,14 +189,7 @@ function away(t, storedMeanwhile, renewals = 0) {
     },
   };
   const state = { link: { busy: false, offline: true }, phase: "capturing", capture: {} };
-  const page = { state: () => state, dispatch: (event) => events.push(event), fail: (error) => assert.fail(error) };
-  const options = {
-    dispatch: page.dispatch,
-    signal: new AbortController().signal,
-    onOffline() {},
-    async onOnline() {},
-  };
-  new RequestQueue(page, session, options).goOffline();
+  queueOf(session, state, events).goOffline();
   return { attempts, events, browser };
 }
 
@@ -222,12 +223,7 @@ test("a network that is back is used at once, and a renewed session reported", a
 async function heard(request) {
   const events = [];
   const session = { renewals: 0, resume: async () => ({ state: "as the service has it" }) };
-  const page = { state: () => ({ link: { busy: false } }), fail: (error) => assert.fail(error) };
-  const queue = new RequestQueue(page, session, {
-    dispatch: (event) => events.push(event),
-    signal: new AbortController().signal,
-  });
-  await queue.send(
+  await queueOf(session, { link: { busy: false } }, events).send(
     () => request(session),
     () => {},
   );

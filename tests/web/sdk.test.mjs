@@ -28,7 +28,6 @@ const KNOWN = {
   uncertainty: { rms: 0.3, max: 0.9 },
 };
 const MISS = { status: 404, guidance_url: "https://calibdb.example/calibrate/?camera=x", reason: "too_few" };
-const NOTHING = { calibration: null, estimate: null, camera: null };
 const LIKELY = { ...calibrationOf([920], [639.5, 359.5]), basis: "published" };
 const API = "https://calibdb.example/v1";
 
@@ -118,7 +117,8 @@ test("an unknown camera calls onNeedCalibration with an address", async () => {
     const { asked, options } = service(miss);
     const reported = [];
     const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => reported.push(each) });
-    assert.deepEqual(answer, { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
+    const nothing = { calibration: null, estimate: null, camera: null };
+    assert.deepEqual(answer, { ...nothing, guidanceUrl: MISS.guidance_url, reason: "too_few" });
     assert.deepEqual(reported, [answer]);
     assert.equal(asked[0].address, `${API}/lookup`);
   }
