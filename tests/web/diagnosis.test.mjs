@@ -31,6 +31,9 @@ function seen(pose, spoilt = () => {}) {
   return { width: SIZE[0], height: SIZE[1], data };
 }
 
+/** The same picture with other values: by value and column. */
+const changed = (image, change) => ({ ...image, data: image.data.map((value, at) => change(value, at % SIZE[0])) });
+
 test("edges in focus are sharp, smeared ones are not, in either direction", () => {
   for (const pose of POSES) {
     const { points } = foundAt(pose);
@@ -60,31 +63,25 @@ test("moiré shows in the white of the board, and sensor noise does not", () => 
         found,
       ) > 0.1,
     );
-    const noisy = seen(pose);
-    noisy.data.forEach(
-      (value, at) => (noisy.data[at] = Math.max(0, Math.min(255, value + 20 * (random() + random() + random() - 1.5)))),
-    );
+    const noise = () => 20 * (random() + random() + random() - 1.5);
+    const noisy = changed(seen(pose), (value) => Math.max(0, Math.min(255, value + noise())));
     assert.ok(moire(noisy, DEFAULT_BOARD, found) < 0.05);
   }
 });
 
 test("moiré is looked for in bright parts of the board", () => {
   const inverted = { ...DEFAULT_BOARD, inverted: true };
-  const dark = (at, value) => (value < 128 ? 255 - ((at % SIZE[0]) % 16 < 8 ? 70 : 0) : 255 - value);
   for (const pose of POSES) {
     const found = foundAt(pose);
     const print = seen(pose);
-    const negative = { ...print, data: print.data.map((value) => 255 - value) };
+    const negative = changed(print, (value) => 255 - value);
     assert.ok(moire(negative, inverted, found) < 0.01);
     // The squares that are dark on an inverted board are those with the markers.
-    const glossy = {
-      ...print,
-      data: print.data.map((value, at) => (value >= 128 ? 30 + ((at % SIZE[0]) % 40 < 20 ? 60 : 0) : 255 - value)),
-    };
+    const glossy = changed(print, (value, x) => (value >= 128 ? 30 + (x % 40 < 20 ? 60 : 0) : 255 - value));
     assert.ok(moire(glossy, inverted, found) < 0.1);
-    const shaded = { ...print, data: print.data.map((value, at) => value * (0.4 + (0.6 * (at % SIZE[0])) / SIZE[0])) };
+    const shaded = changed(print, (value, x) => value * (0.4 + (0.6 * x) / SIZE[0]));
     assert.ok(moire(shaded, DEFAULT_BOARD, found) < 0.02);
-    const striped = { ...print, data: print.data.map((value, at) => dark(at, value)) };
+    const striped = changed(print, (value, x) => (value < 128 ? 255 - (x % 16 < 8 ? 70 : 0) : 255 - value));
     assert.ok(moire(striped, inverted, found) > 0.1);
   }
 });
