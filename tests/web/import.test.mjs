@@ -13,12 +13,13 @@ const SIZE = [1280, 720];
 const BOARD = { squares: [9, 6] };
 const place = ([x, y], index) => [100 + 60 * x + 3 * index * y, 80 + 55 * y - 2 * x];
 /** Views of a board whose points are given in any unit, from any corner, rows counted downwards or upwards. */
-const seen = ({ unit = 1, origin = [0, 0], upwards = false, count = 3 } = {}) =>
-  Array.from({ length: count }, (_, index) => ({
+const seen = ({ unit = 1, origin = [0, 0], upwards = false, board = BOARD } = {}) =>
+  [0, 1, 2].map((index) => ({
     name: `view${index}`,
-    object: corners(BOARD).map(([x, y]) => [unit * x + origin[0], (upwards ? -unit : unit) * y + origin[1], 0]),
-    image: corners(BOARD).map((corner) => place(corner, index)),
+    object: corners(board).map(([x, y]) => [unit * x + origin[0], (upwards ? -unit : unit) * y + origin[1], 0]),
+    image: corners(board).map((corner) => place(corner, index)),
   }));
+const ALL = corners(BOARD).map((_, id) => id);
 const point = (values) => Object.fromEntries(values.map((value, index) => ["xyz"[index], value]));
 const photonVision = (views, more = {}) =>
   JSON.stringify({
@@ -44,11 +45,10 @@ const refused = (code, action) =>
   });
 
 test("a board is recognised in any unit, origin and order of rows", () => {
-  const all = corners(BOARD).map((_, id) => id);
   for (const options of [{}, { unit: 25.4 }, { unit: 0.0254, origin: [-3, 7] }, { unit: 30, upwards: true }]) {
     const { squares, views } = grid(seen(options));
     assert.deepEqual(squares, [9, 6]);
-    for (const { ids } of views) assert.deepEqual(ids, all, JSON.stringify(options));
+    for (const { ids } of views) assert.deepEqual(ids, ALL, JSON.stringify(options));
   }
 });
 
@@ -62,9 +62,7 @@ test("corners keep their numbers if some are missing", () => {
   const { views } = grid([first, some]);
   assert.deepEqual(
     views[1].ids,
-    corners(BOARD)
-      .map((_, id) => id)
-      .filter((id) => id % 3),
+    ALL.filter((id) => id % 3),
   );
   assert.deepEqual(views[1].points, some.image);
 });
@@ -98,13 +96,8 @@ test("PhotonVision's file is read without unused corners", () => {
 });
 
 test("large boards have a dictionary that is large enough", () => {
-  const large = { squares: [14, 9] };
-  const view = {
-    name: "a",
-    object: corners(large).map(([x, y]) => [x, y, 0]),
-    image: corners(large).map((corner) => place(corner, 0)),
-  };
-  assert.equal(prepare([view], SIZE).board.dictionary, "DICT_4X4_1000");
+  const views = seen({ board: { squares: [14, 9] } });
+  assert.equal(prepare(views, SIZE).board.dictionary, "DICT_4X4_1000");
 });
 
 test("a damaged file is refused with what is wrong in it", () => {
