@@ -134,12 +134,11 @@ test("tags of an AprilGrid may be turned on it", () => {
 });
 
 test("parts of a board identify it, false markers do not", () => {
-  const board = { ...DEFAULT_BOARD };
-  const parts = [({ y }) => y < 3, ({ y }) => y > 1].map((keep) => seen(board, { keep }));
+  const parts = [({ y }) => y < 3, ({ y }) => y > 1].map((keep) => seen(DEFAULT_BOARD, { keep }));
   parts[0].push({ id: 26, corners: rectangle(10, 10, 30) });
   const found = recognise(parts.map((part) => sighting("DICT_4X4_1000", part)));
   assert.deepEqual(found.board.squares, [9, 6]);
-  assert.equal(fitGrid(seen(board, { keep: ({ y }) => y === 0 }), false), null);
+  assert.equal(fitGrid(seen(DEFAULT_BOARD, { keep: ({ y }) => y === 0 }), false), null);
   const random = Array.from({ length: 12 }, (_, n) => ({
     id: (n * 37) % 50,
     corners: rectangle((n * 311) % 900, (n * 173) % 600, 20),

@@ -149,10 +149,7 @@ test("a view with a jerk, blur or another size is refused", async (t) => {
 test("focus is locked once, after a hold", async (t) => {
   const stream = streamOf();
   let focused = 0;
-  const page = pageOf(t, 0, {
-    ...lasting(600),
-    onFocused: () => (focused += 1),
-  });
+  const page = pageOf(t, 0, { ...lasting(600), onFocused: () => (focused += 1) });
   await engineOf(page, only(stream), detectorOf(detection())).run();
   assert.deepEqual([stream.locked, focused], [1, 1]);
 });
@@ -195,7 +192,6 @@ test("the detector is opened once, and again after a failure", async () => {
   detector.close();
   await assert.rejects(detector.open(), DetectorError);
   assert.ok(first.closed && (await detector.open()) === made[2]);
-  assert.equal(await detector.open(), made[2]);
   assert.equal(made.length, 3);
 });
 

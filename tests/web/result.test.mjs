@@ -128,7 +128,7 @@ test("axes are numbered roundly", () => {
   assert.deepEqual(ticks(1280, 5), [0, 400, 800, 1200]);
 });
 
-test("files are named after the camera", () => {
+test("a file of a camera without a name is named", () => {
   assert.equal(fileName({ ...calibration, camera: "…" }, "yaml"), "camera-1280x720.yaml");
 });
 

@@ -60,6 +60,7 @@ const never = ({ signal }) =>
   });
 /** A service whose edge knows nothing. */
 const service = (...answers) => site(unknown, ...answers);
+const plain = (data) => JSON.parse(JSON.stringify(data));
 /** A lookup at a service with one answer. */
 const found = (answer, options = {}) => lookup(KEY, { ...service(answer).options, ...options });
 function camera(settings) {
@@ -71,7 +72,7 @@ test("a known camera is answered with its calibration", async () => {
   const { asked, options } = service(json(200, KNOWN));
   const { calibration, guidanceUrl, reason } = await lookup(KEY, { ...options, model: "fisheye" });
   assert.ok(calibration instanceof Calibration);
-  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN);
+  assert.deepEqual(plain(calibration), KNOWN);
   assert.deepEqual([guidanceUrl, reason], [null, null]);
   const [{ address, method, headers, body }] = asked;
   assert.deepEqual([address, method, headers.authorization], [`${API}/lookup`, "POST", "Bearer cdb_a_b"]);
@@ -82,7 +83,7 @@ test("an estimate is the camera only if it is accepted", async () => {
   const miss = json(200, { calibration: null, ...MISS, estimate: LIKELY });
   const cautious = await found(miss);
   assert.ok(cautious.estimate instanceof Estimate && !(cautious.estimate instanceof Calibration));
-  assert.deepEqual(JSON.parse(JSON.stringify(cautious.estimate)), LIKELY);
+  assert.deepEqual(plain(cautious.estimate), LIKELY);
   assert.deepEqual([cautious.calibration, cautious.camera], [null, null]);
   const { calibration, camera, guidanceUrl } = await found(miss, { accept: "estimate" });
   assert.deepEqual([calibration, guidanceUrl], [null, MISS.guidance_url]);
@@ -391,7 +392,7 @@ test("the address of an answer is the digest that docs/api.md prints", async () 
 test("a known camera is one GET without headers, and nothing else", async () => {
   const { all, options } = site(() => json(200, KNOWN), json(500, {}));
   const { calibration } = await lookup(KEY, options);
-  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN);
+  assert.deepEqual(plain(calibration), KNOWN);
   const [{ path, request }, ...others] = all;
   assert.deepEqual([path, others], ["/known/v1/*/1280x720/0/rectilinear.json", []]);
   assert.deepEqual(
