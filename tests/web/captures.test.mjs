@@ -278,7 +278,7 @@ test("a session without views begins again with the locked focus", async (t) => 
 
 test("a finish during an outage follows once the service is back", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
-  const { loop, service, parts, state } = looping(t, [VIEW, VIEW, VIEW, VIEW]);
+  const { loop, service, parts, state } = looping(t, Array(4).fill(VIEW));
   state.link.offline = true;
   parts.finish.dispatchEvent(new Event("click"));
   void loop.run();

@@ -81,7 +81,7 @@ test("a followed target overlaps, a board that faces the camera does not", () =>
   let inPlace = 0;
   for (let z = 9; z < 16; z += 0.25) {
     const facing = seen(held([0, 0, 0], [0.5, 0.5, z]));
-    if (jaccard(facing, seen(TILTED), [1280, 720]) <= 0.6) continue;
+    if (jaccard(facing, seen(TILTED), SIZE) <= 0.6) continue;
     inPlace += 1;
     assert.ok(difference(facing, seen(TILTED)) > 0.08, `at ${z}`);
   }
