@@ -47,7 +47,7 @@ test("an hour that is used up is said at once", async () => {
 });
 
 test("retries end after a minute", async () => {
-  const { api, waits } = service([new OfflineError()]);
+  const { api, waits } = service([new OfflineError(true)]);
   await assert.rejects(get(api), OfflineError);
   assert.equal(
     waits.reduce((sum, ms) => sum + ms),

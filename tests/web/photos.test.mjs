@@ -121,7 +121,6 @@ test("names are said as people say them", () => {
 });
 
 const picture = (more) => ({
-  name: "a",
   camera: "A",
   focal: 0,
   kind: "photographs",
@@ -262,7 +261,7 @@ test("unreadable files are classified by type, then name", () => {
 
 test("the first photo that names its camera is looked up", () => {
   const nameless = picture({ camera: "", ids: [] });
-  const phone = { ...nameless, name: "b", camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
+  const phone = { ...nameless, camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
   assert.equal(questionOf([nameless, { ...phone, kind: "video" }]), null);
   assert.deepEqual(questionOf([nameless, phone]), {
     camera: "Apple iPhone 13",
