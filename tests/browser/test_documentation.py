@@ -21,7 +21,7 @@ from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
-from tests.helpers.rig_vectors import RIGS_PATH
+from tests.helpers.vectors import recorded
 
 from .conftest import ROOT
 
@@ -103,7 +103,7 @@ def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> No
 
 
 def rig_result() -> dict[str, Any]:
-    pair = json.loads(RIGS_PATH.read_text())[0]
+    pair = recorded("pairs")[0]
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
     return {
         "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",

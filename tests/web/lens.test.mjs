@@ -6,7 +6,7 @@ import { Calibration, UnknownModelError, lensOf, projectionMatrix } from "../../
 import { widePinhole } from "../../web/sdk/rectification.js";
 import { rectifiedMatrix, rectifyingMap } from "../../web/sdk/rectifier.js";
 
-const vectors = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", import.meta.url), "utf8"));
+const { lenses: vectors } = JSON.parse(readFileSync(new URL("../data/vectors.json", import.meta.url), "utf8"));
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => value - b[axis]));
 
 const intrinsicsOf = ({ model, k: [fx, fy, cx, cy, ...d] }) => ({

@@ -17,7 +17,7 @@ import { json } from "./globals.mjs";
 
 const read = (name) => JSON.parse(readFileSync(new URL(name, import.meta.url), "utf8"));
 /** Pairs as the solver rectifies them; the first is OpenCV's own, fitted to real corners. */
-const PAIRS = read("./rigs.json");
+const { pairs: PAIRS } = read("../data/vectors.json");
 const [REAL] = PAIRS;
 const ID = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d";
 const STILL = { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0], std: [0, 0, 0, 0, 0, 0] };

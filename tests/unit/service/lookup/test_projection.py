@@ -8,8 +8,8 @@ import pytest
 from calibdb.lookup.projection import distort_ray, rays_in_view
 from calibdb.schema import DISTORTION_MODELS, Calibration
 from calibsolver import Camera
-from tests.helpers.lens_vectors import recorded
 from tests.helpers.service.known import LENS, consensus, fit
+from tests.helpers.vectors import recorded
 
 LENSES = {
     "rectilinear": LENS,
@@ -42,7 +42,7 @@ def test_plain_projection_matches_solver(model: str) -> None:
 
 def test_plain_projection_matches_the_shared_vectors() -> None:
     count = 0
-    for record in recorded():
+    for record in recorded("lenses"):
         fx, fy, cx, cy, *d = record["k"]
         for (x, y, z), expected in zip(record["rays"], record["pixels"], strict=True):
             if not x and not y and not z:

@@ -25,10 +25,10 @@ from calibsolver.rig.formats import RigSource
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.marks import thorough
-from tests.helpers.rig_vectors import LENSES
 from tests.helpers.solver import rigs
+from tests.helpers.solver.export_sources import IMG_SIZE as SIZE
+from tests.helpers.solver.export_sources import truth
 
-SIZE = (1280, 720)
 THREE = ("rectilinear", "fisheye", "rational")
 STEPS: dict[str, Any] = {
     "beside": rigs.placed((0.12, 0.004, 0.002), (0.01, -0.03, 0.02)),
@@ -42,11 +42,10 @@ POINTS = np.array(
 
 
 def camera(model: str) -> Camera:
-    focal, coefficients = LENSES[model][0]
-    if model == "rectilinear":
-        coefficients = [*coefficients[:4], 0.0]  # Kalibr and COLMAP hold four
-    matrix = np.array([[focal, 0, 650.25], [0, 1.01 * focal, 352.5], [0, 0, 1.0]])
-    return Camera(model=model, matrix=matrix, distortion=np.array(coefficients), img_size=SIZE)
+    whole = truth(model)
+    if model != "rectilinear":
+        return whole
+    return Camera(model, whole.matrix, [*whole.distortion[:4], 0.0], SIZE)  # Kalibr and COLMAP hold four
 
 
 def source(models: Sequence[str] = ("rectilinear", "rectilinear"), step: str = "beside") -> RigSource:
