@@ -21,7 +21,6 @@ TESTS = (
     "tests/unit/solver/fitting/test_rivals.py",
     "tests/unit/solver/formats/test_foreign_models.py",
     "tests/unit/solver/formats/test_conversion_error.py",
-    "tests/unit/solver/formats/test_ray_fit.py",
     "tests/unit/solver/test_locate.py",
     "tests/unit/solver/rig/test_fit.py",
     "tests/unit/client/test_boards_in_pictures.py",
