@@ -157,18 +157,6 @@ def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
         assert turned.coverage == upright.coverage
 
 
-def test_transform_is_a_crop_and_resize_then_a_turn() -> None:
-    part = image_transform.crop(IMG_SIZE, (100, 60), (800, 500))
-    resized = part.then(image_transform.resize((800, 500), (400, 300)))
-    turned = resized.then(image_transform.rotate((400, 300), 270))
-    transform = turned.then(image_transform.mirror((300, 400)))
-    upright, turn = transform.split()
-    assert upright.img_size == (400, 300)
-    assert (np.diag(upright.linear) > 0).all()
-    q = np.array([[100.0, 60.0], [899.0, 559.0], [333.0, 444.0]])
-    assert np.allclose(turn.pixels(upright.pixels(q)), transform.pixels(q), rtol=0, atol=1e-9)
-
-
 def test_kalibr_file_with_a_centre_outside_is_refused() -> None:
     right = image_transform.crop(IMG_SIZE, (700, 0), (580, 720))
     with pytest.raises(CalibrationError, match="Kalibr refuses a principal point"):
