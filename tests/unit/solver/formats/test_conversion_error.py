@@ -164,6 +164,17 @@ def test_kalibr_file_with_a_centre_outside_is_refused() -> None:
     assert formats.write(subject("fisheye"), "ros", right).error == 0
 
 
+def test_kalibr_file_of_a_camera_that_it_cannot_hold_does_not_turn_it() -> None:
+    """In a rig that would contradict the poses. A fit of keypoints was 2.7 px off on average."""
+    k = np.array([600.0, 602, 650, 370, -0.28, 0.09, 0.001, -0.0005, -0.01])
+    camera = Camera.from_intrinsics("rectilinear", k, IMG_SIZE)
+    conversion = formats.FORMATS["kalibr"].convert(ExportSource(camera))
+    rays, q = image_rays(camera, 33, 25)
+    away = conversion.camera.project(rays) - q
+    assert np.linalg.norm(away.mean(axis=0)) < 0.3
+    assert np.linalg.norm(away, axis=1).max() <= conversion.error < 6
+
+
 @pytest.mark.parametrize(
     "name", ["opencv-yaml", "opencv-json", "ros", "kalibr", "colmap", "opensfm", "gyroflow"]
 )

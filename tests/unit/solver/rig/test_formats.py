@@ -19,12 +19,10 @@ import yaml
 
 from calibsolver import CalibrationError, Camera
 from calibsolver.arrays import Array
-from calibsolver.formats import kalibr
 from calibsolver.rig import formats
 from calibsolver.rig.formats import RigSource
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
-from tests.helpers.marks import thorough
 from tests.helpers.solver import rigs
 from tests.helpers.solver.export_sources import IMG_SIZE as SIZE
 from tests.helpers.solver.export_sources import truth
@@ -249,21 +247,6 @@ def test_label_of_a_camera_is_no_member_of_a_file() -> None:
             unpacked(named, "mrcal").values(), unpacked(plain, "mrcal").values(), strict=True
         ):
             assert eval(one, {}) == eval(other, {})
-
-
-@pytest.mark.parametrize("count", [2, *thorough(8)])
-def test_kalibr_file_of_cameras_that_it_cannot_hold_turns_none(count: int) -> None:
-    lens = np.array([-0.28, 0.09, 0.001, -0.0005, -0.01])
-    camera = Camera("rectilinear", np.array([[600.0, 0, 650], [0, 602, 370], [0, 0, 1]]), lens, SIZE)
-    rig = RigSource([camera] * count, np.zeros((count, 6)))
-    written = formats.write(rig, "kalibr")
-    held = kalibr.read(yaml.safe_load(written.content)[f"cam{count - 1}"]).camera
-    assert held is not None
-    # A fit of keypoints was 2.7 px off on average, 10.6 px in a corner.
-    q = np.stack(np.meshgrid(np.linspace(0, 1279, 33), np.linspace(0, 719, 25)), axis=2).reshape(-1, 2)
-    away = held.project(camera.unproject(q)) - q
-    assert np.linalg.norm(away.mean(axis=0)) < 0.3
-    assert np.linalg.norm(away, axis=1).max() <= written.error < 6
 
 
 def test_mrcal_models_have_their_poses() -> None:
