@@ -167,12 +167,12 @@ def same_keypoints(found: tuple[View, ...], sent: tuple[View, ...]) -> None:
 
 def test_table_of_corners_is_read() -> None:
     """Pictures without a board have one line."""
-    content = written("fisheye", "corners-vnl").content
+    content = written("rectilinear", "corners-vnl").content
     legend, *rows = content.decode().partition("# filename")[2].splitlines()
     assert legend == " x y level"
     assert {len(row.split()) for row in rows} == {4}, "as mrcal requires"
     content += b"empty.png - - -\n"
-    same_keypoints(imported("corners.vnl", content, BOARD).views, subject("fisheye").views)
+    same_keypoints(imported("corners.vnl", content, BOARD).views, subject("rectilinear").views)
     for options, reason in ((NONE, "squares"), (ReaderOptions(squares=(11, 8)), "70 lines")):
         with pytest.raises(CalibrationError, match=reason):
             imported("corners.vnl", content, options)
