@@ -172,8 +172,8 @@ def test_seed_that_poses_the_first_view_is_kept() -> None:
 
 
 def test_seed_that_is_no_believable_camera_is_not_used() -> None:
-    """A focal length of 0.06 image widths, though the camera matrix says 0.12; and an infinite one."""
-    f = 0.12 * 1280
+    """A focal length of 0.1 image widths, though the camera matrix says 0.2; and an infinite one."""
+    f = 0.2 * 1280
     wide = [np.array([f, f, 640, 360, xi, 0, 0, 0, 0]) for xi in (1.0, -1.0)]
     seeds = [with_focal_length(factor) for factor in (0.003, 50.0, np.nan)]
     seeds += [Camera.from_intrinsics("omnidirectional", k, SIZE) for k in wide]
