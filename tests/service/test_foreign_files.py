@@ -1,4 +1,4 @@
-"""Files of strangers through `POST /v1/convert`: long, damaged and hostile ones, none of them a 500.
+"""Files of strangers through `POST /v1/convert`: usual ones; long, damaged and hostile ones, never a 500.
 
 `FILES` small files at random; `make thorough ONLY=fuzz` sends 100,000, with `SEED=1` other ones.
 """
@@ -15,6 +15,7 @@ from collections import Counter
 import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
+from infra.web_build.operations import EXAMPLE_FILE
 from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.foreign_files import MATRIX, REQUESTS
 
@@ -60,12 +61,43 @@ UNITS = {
     "blank lines": ("{}//", " \n" * (LENGTH // 2)),
 }
 MAX_S = 1.0
+JOBS = False
 
 
 def convert(client: Client, file: str | bytes, **more: object) -> Answer:
     if isinstance(file, bytes):
         file, more = base64.b64encode(file).decode(), {"encoding": "base64", **more}
-    return client.call("POST", "/v1/convert", {"file": file, "img_size": [1280, 720], **more})
+    return client.call("POST", "/v1/convert", {"file": file, **more})
+
+
+def refusal(answer: Answer) -> tuple[str, str]:
+    [field] = answer.fields
+    return field, answer.json["errors"][0]["detail"]
+
+
+def test_file_with_a_camera_alone_is_written_unless_the_format_needs_corners(client: Client) -> None:
+    """The file says how far its camera is from that of the file given."""
+    answer = convert(client, EXAMPLE_FILE, format="kalibr")
+    assert answer.status == 200, answer.body
+    assert ".yaml" in answer.headers["content-disposition"]
+    assert float(answer.headers["x-conversion-error"]) < 64
+    assert float(answer.headers["x-conversion-coverage"]) > 0.9
+    field, detail = refusal(convert(client, EXAMPLE_FILE, format="corners-vnl"))
+    assert field == "format"
+    assert "keypoints" in detail
+    corners = "# filename x y level\nview000.png 10 20 0\n" * 20
+    assert convert(client, corners).fields == ["file"]
+
+
+def test_what_a_file_does_not_say_is_asked_for(client: Client) -> None:
+    file = "camera_matrix: [[900, 0, 640], [0, 900, 360], [0, 0, 1]]\ndist_coeffs: [0.1, 0.0, 0.0, 0.0]\n"
+    field, detail = refusal(convert(client, file))
+    assert field == "img_size"
+    assert "--" not in detail, "nobody has a command line here"
+    given = convert(client, file, img_size=[1280, 720], camera="My camera")
+    assert given.status == 200, given.body
+    assert given.json["camera"] == "My camera"
+    assert given.json["camera_matrix"][0][0] == 900
 
 
 def processor_s(client: Client, file: str) -> float:
@@ -73,7 +105,7 @@ def processor_s(client: Client, file: str) -> float:
     times = []
     while not times or (times[-1] > MAX_S / 2 and len(times) < 2):
         begun = time.process_time()
-        answer = convert(client, file)
+        answer = convert(client, file, img_size=[1280, 720])
         times.append(time.process_time() - begun)
         assert answer.status in (200, 422), (answer.status, file[:50])
         assert len(answer.body) < 10_000, file[:50]
@@ -97,11 +129,36 @@ def test_long_text_of_a_pattern_is_read_within_a_second(client: Client, name: st
     assert processor_s(client, form.format(text)) < MAX_S
 
 
-def archive(header: bytes) -> bytes:
+def archive(header: bytes, content: bytes = b"") -> bytes:
     packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w") as files:
-        files.writestr("mtx.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as files:
+        length = len(header).to_bytes(2, "little")
+        files.writestr("mtx.npy", b"\x93NUMPY\x01\x00" + length + header + content)
     return packed.getvalue()
+
+
+HUGE_ARRAY = archive(b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }\n", bytes(800))
+
+
+@pytest.mark.parametrize(
+    ("file", "more"),
+    [
+        ("", {}),
+        ("a: &a [1]\nb: [*a, *a, *a]\n", {}),
+        ("x" * 100_001, {}),
+        ("not base64!", {"encoding": "base64"}),
+        (b"PK\x03\x04" + bytes(200), {}),
+        (HUGE_ARRAY, {}),
+        (EXAMPLE_FILE, {"number": 7}),
+        (EXAMPLE_FILE, {"img_size": [640, 480]}),
+    ],
+)
+def test_hostile_and_broken_files_are_refused_in_words(client: Client, file: str | bytes, more: dict) -> None:
+    begun = time.process_time()
+    answer = convert(client, file, **more)
+    assert answer.status == 422
+    assert len(answer.body) < 10_000
+    assert time.process_time() - begun < 10, "no file costs more than a request may"
 
 
 CAMERA = json.dumps({"camera_matrix": MATRIX, "dist_coeffs": [0] * 5, "img_size": [1280, 720]})[1:-1]
@@ -128,11 +185,9 @@ CAMERA = json.dumps({"camera_matrix": MATRIX, "dist_coeffs": [0] * 5, "img_size"
     ],
 )
 def test_file_that_breaks_a_parser_is_refused_in_words(client: Client, file: str | bytes) -> None:
-    answer = convert(client, file)
-    assert answer.status == 422
-    [error] = answer.json["errors"]
-    assert error["field"] == "file"
-    assert error["detail"].isprintable()
+    field, detail = refusal(convert(client, file, img_size=[1280, 720]))
+    assert field == "file"
+    assert detail.isprintable()
 
 
 @pytest.mark.parametrize(
