@@ -6,11 +6,28 @@
         "HD Pro Webcam C920 (046d:082d)", platform="X11; Linux x86_64", size=(1280, 720)
     )
 
-A name is imported when it is first used: the import itself loads neither numpy, nor OpenCV, nor a network.
+Other names than errors are imported when they are first used: the import itself loads neither numpy, nor
+OpenCV, nor a network.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from .errors import (
+    CalibDBError,
+    CameraError,
+    CaptureError,
+    ConflictError,
+    CredentialError,
+    MissingPackageError,
+    NotFoundError,
+    ProblemError,
+    QuotaError,
+    ServiceUnavailableError,
+    UsageError,
+)
+from .files import ExportedFile
+from .key import CameraKey
 
 if TYPE_CHECKING:
     from . import offline
@@ -21,21 +38,6 @@ if TYPE_CHECKING:
     from .capture.operation import CaptureInterruptedError
     from .checks import CheckResult
     from .client import Client
-    from .errors import (
-        CalibDBError,
-        CameraError,
-        CaptureError,
-        ConflictError,
-        CredentialError,
-        MissingPackageError,
-        NotFoundError,
-        ProblemError,
-        QuotaError,
-        ServiceUnavailableError,
-        UsageError,
-    )
-    from .files import ExportedFile
-    from .key import CameraKey
     from .recording import Recording
     from .rig import Rig
     from .session import CaptureResult
@@ -46,28 +48,15 @@ _MODULES = {
     "Answer": "calibration",
     "AsyncClient": "aio",
     "Board": "board",
-    "CalibDBError": "errors",
     "Calibration": "calibration",
     "Camera": "camera",
-    "CameraError": "errors",
-    "CaptureError": "errors",
-    "CameraKey": "key",
     "CaptureInterruptedError": "capture.operation",
     "CheckResult": "checks",
     "CaptureResult": "session",
     "Client": "client",
-    "ConflictError": "errors",
-    "CredentialError": "errors",
     "Estimate": "calibration",
-    "ExportedFile": "files",
-    "MissingPackageError": "errors",
-    "NotFoundError": "errors",
-    "ProblemError": "errors",
-    "QuotaError": "errors",
     "Recording": "recording",
     "Rig": "rig",
-    "ServiceUnavailableError": "errors",
-    "UsageError": "errors",
     "open_camera": "camera",
 }
 

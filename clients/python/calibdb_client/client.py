@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
-    from .rig_pictures import RigResult
 
 
 P = ParamSpec("P")
@@ -343,19 +342,6 @@ class Client(Service):
         consent = session.consent_of(licence, mode_name)
         recording = recording_of(paths, camera, board, platform, zoom)
         return (yield from session.submit(recording, model, self._calibration, consent=consent))
-
-    def calibrate_rig(
-        self,
-        folders: Sequence[str | Path],
-        *,
-        board: Board | None = None,
-        model: str = AUTO,
-        square_size: float | None = None,
-    ) -> RigResult:
-        """Calibrate a rig on this machine; nothing is sent. Parameters as of `offline.calibrate_rig`."""
-        from .rig_pictures import calibrate_rig
-
-        return calibrate_rig(folders, board=board, model=model, square_size=square_size)
 
     def _calibration(self, record: Mapping[str, Any]) -> Calibration:
         return Calibration(record, self.export)
