@@ -48,7 +48,8 @@ class Lensfun(Format):
             r = s * _corrected_radii(radial, rays)
             distorted = half(radial) * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
             side = np.hypot(rays[:, 0], rays[:, 1])
-            return radial.matrix[:2, 2] + rays[:, :2] * (distorted / np.maximum(side, 1e-300))[:, None]
+            scale = distorted / np.maximum(side, 1e-300)
+            return np.asarray(radial.matrix[:2, 2] + rays[:, :2] * scale[:, None])
 
         return Conversion(radial, *differences(source.camera, project, _max_angle(radial)))
 

@@ -232,7 +232,7 @@ def mrcal(lens: str, intrinsics: str, more: str = "") -> str:
     return f"{{'lensmodel': 'LENSMODEL_{lens}', 'intrinsics': [{intrinsics}], 'imagersize': [4, 4]{more}}}"
 
 
-NATIVE = '{"img_size": [1280, %s], "camera_matrix": 0, "distortion_coefficients": 0}'
+SIDE = camera().replace("720", "%s")
 REFUSED: dict[str, tuple[str | bytes | Callable[[], str], str]] = {
     "superview.json": (gyroflow(digital_lens="gopro_superview"), "digital lens .gopro_superview"),
     "old.json": (gyroflow(is_superview=True), "digital lens"),
@@ -263,8 +263,8 @@ REFUSED: dict[str, tuple[str | bytes | Callable[[], str], str]] = {
     "bomb.yaml": ("a: &a [1, 1]\nb: &b [*a, *a]\nc: [*b, *b]\n", "aliases"),
     "deep.yaml": ("a: " + "[" * 500 + "]" * 500, "nested too deeply"),
     "deep.json": ("[" * 100_000, "JSON|nested"),
-    "nan.json": (NATIVE % "NaN", "NaN"),
-    "nines.json": (NATIVE % ("9" * 400), "a number"),
+    "nan.json": (SIDE % "NaN", "NaN"),
+    "nines.json": (SIDE % ("9" * 400), "a number"),
     "tag.yaml": ("!!python/object/apply:os.getcwd []", "not YAML"),
     "date.yaml": ("img_size: 2001-99-99", "cannot be read|not YAML|img_size"),
     "cut.json": (camera()[:50], "not JSON"),
