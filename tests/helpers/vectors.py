@@ -121,8 +121,8 @@ def _pair(left: Camera, right: Camera, pose: tuple[float, ...]) -> dict[str, Any
     """`pose`: rvec|tvec, left camera -> right camera."""
     rectification = rectify(left, right, RigidMotion.of_vector(np.asarray(pose)))
     return {
-        "left": _record(left),
-        "right": _record(right),
+        "left": left.record(),
+        "right": right.record(),
         "pose": {"rvec": list(pose[:3]), "tvec": list(pose[3:])},
         "R1": rectification.r1.tolist(),
         "R2": rectification.r2.tolist(),
@@ -130,15 +130,6 @@ def _pair(left: Camera, right: Camera, pose: tuple[float, ...]) -> dict[str, Any
         "P2": rectification.p2.tolist(),
         "Q": rectification.q.tolist(),
         "isVertical": rectification.is_vertical,
-    }
-
-
-def _record(camera: Camera) -> dict[str, Any]:
-    return {
-        "img_size": list(camera.img_size),
-        "camera_matrix": camera.matrix.tolist(),
-        "distortion_coefficients": camera.distortion.tolist(),
-        "distortion_model": camera.model,
     }
 
 

@@ -24,15 +24,11 @@ class NativeJson(Format):
         )
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        c = conversion.camera
         return text.dump(
             {
                 **source.record,
                 "camera": source.name,
-                "img_size": list(c.img_size),
-                "camera_matrix": c.matrix.tolist(),
-                "distortion_coefficients": c.distortion.tolist(),
-                "distortion_model": c.model,
+                **conversion.camera.record(),
                 "avg_reprojection_error": source.rms,
             },
             conversion.warning,

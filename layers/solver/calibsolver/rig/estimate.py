@@ -160,10 +160,7 @@ def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dic
     ]
     points = sum(n for _, n in counted)
     return {
-        "img_size": list(camera.img_size),
-        "camera_matrix": camera.matrix.tolist(),
-        "distortion_coefficients": camera.distortion.tolist(),
-        "distortion_model": camera.model,
+        **camera.record(),
         "avg_reprojection_error": float(np.sqrt(sum(e**2 * n for e, n in counted) / max(points, 1))),
         "uncertainty": {"rms": float(np.sqrt(square.mean())), "max": float(np.sqrt(square.max()))},
         "systematic": calibration.inflation,
