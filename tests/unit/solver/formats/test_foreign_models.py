@@ -10,64 +10,11 @@ from calibsolver import CalibrationError, Camera
 from calibsolver.formats import ExportSource, write
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
+from tests.helpers.data import ROOT
 
 DS = {"fx": 158.28, "fy": 158.27, "cx": 254.96, "cy": 256.88, "xi": -0.172, "alpha": 0.593}
 EUCM = {"fx": 460.0, "fy": 459.0, "cx": 370.2, "cy": 250.1, "alpha": 0.62, "beta": 1.05}
-OCAM = """#polynomial coefficients for the DIRECT mapping function
-
-5 -2.065170e+02 0.000000e+00 2.207161e-03 -4.879622e-06 1.865656e-08
-
-#polynomial coefficients for the inverse mapping function
-
-4 294.182260 152.289570 -12.191217 27.959546
-
-#center: "row" and "column", starting from 0 (C convention)
-
-241.800066 394.552874
-
-#affine parameters "c", "d", "e"
-
-1.000330 0.000219 0.000257
-
-#image size: "height" and "width"
-
-480 752
-"""
-METASHAPE = """<?xml version="1.0" encoding="UTF-8"?>
-<document version="1.5.0">
-  <chunk label="Chunk 1" enabled="true">
-    <sensors next_id="1">
-      <sensor id="0" label="FC6540 (35mm)" type="frame">
-        <resolution width="6016" height="4008"/>
-        <property name="focal_length" value="35"/>
-        <calibration type="frame" class="initial">
-          <resolution width="6016" height="4008"/>
-          <f>8688.0</f>
-        </calibration>
-        <calibration type="frame" class="adjusted">
-          <resolution width="6016" height="4008"/>
-          <f>8700.5</f><cx>12.5</cx><cy>-8.25</cy>
-          <k1>-0.05</k1><k2>0.02</k2><k3>-0.01</k3><p1>0.001</p1><p2>-0.002</p2>
-        </calibration>
-      </sensor>
-    </sensors>
-  </chunk>
-</document>
-"""
-LENSFUN = """<!DOCTYPE lensdatabase SYSTEM "lensfun-database.dtd">
-<lensdatabase version="1">
-  <lens>
-    <maker>Example</maker>
-    <model>Example 18-55mm</model>
-    <cropfactor>1.523</cropfactor>
-    <calibration>
-      <distortion model="ptlens" focal="18" a="0.0121" b="-0.0354" c="0.0107"/>
-      <distortion model="poly3" focal="55" k1="0.0021"/>
-      <tca model="linear" focal="18" kr="1.0002" kb="0.9998"/>
-    </calibration>
-  </lens>
-</lensdatabase>
-"""
+FILES = ROOT / "tests" / "data" / "imports" / "foreign"
 
 
 def pixels(w: int, h: int) -> np.ndarray:
@@ -113,7 +60,7 @@ def test_basalt_and_kalibr_have_the_closest_camera_with_its_error(
 
 
 def test_ocamcalib_looks_along_z_and_counts_rows_first() -> None:
-    result = read_bytes(OCAM.encode(), ".txt")
+    result = read_bytes((FILES / "calib_results.txt").read_bytes(), ".txt")
     assert result.camera is not None
     assert result.camera.img_size == (752, 480)
     assert 1 < result.error < 2, "in the corners, 90 degrees off the axis"
@@ -126,7 +73,7 @@ def test_ocamcalib_looks_along_z_and_counts_rows_first() -> None:
 
 
 def test_metashape_documents_have_the_adjusted_calibration() -> None:
-    camera = read_bytes(METASHAPE.encode(), ".xml").camera
+    camera = read_bytes((FILES / "metashape.xml").read_bytes(), ".xml").camera
     assert camera is not None
     assert camera.intrinsics == pytest.approx(
         [8700.5, 8700.5, 3008 + 12.5 - 0.5, 2004 - 8.25 - 0.5, -0.05, 0.02, -0.002, 0.001, -0.01]
@@ -134,17 +81,18 @@ def test_metashape_documents_have_the_adjusted_calibration() -> None:
 
 
 def test_lens_database_gives_the_camera_of_each_focal_length() -> None:
+    content = (FILES / "lensfun.xml").read_bytes()
     options = ReaderOptions(img_size=(6000, 4000), number=1)
-    result = read_bytes(LENSFUN.encode(), ".xml", options)
+    result = read_bytes(content, ".xml", options)
     assert result.camera is not None
     assert len(result.cameras) == 2
     width_mm = 36 / 1.523
     assert result.camera.focal[0] == pytest.approx(55 / width_mm * 5999, rel=0.01)
     assert result.error < 1.0
     with pytest.raises(CalibrationError, match="--img-size"):
-        read_bytes(LENSFUN.encode(), ".xml")
+        read_bytes(content, ".xml")
     with pytest.raises(CalibrationError, match="entities"):
-        read_bytes(LENSFUN.replace('.dtd">', '.dtd" [<!ENTITY a "b">]>').encode(), ".xml")
+        read_bytes(content.replace(b'.dtd">', b'.dtd" [<!ENTITY a "b">]>'), ".xml")
 
 
 @pytest.mark.parametrize("dictionary", [False, True])
