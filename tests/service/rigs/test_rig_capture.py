@@ -208,12 +208,8 @@ def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: Serv
 
 
 def test_state_tells_who_is_missing(stack: Server) -> None:
-    rig = RigTruth(stack, count=3, seed=7)
-    leader = rig.clients[0]
-    assert leader.open(**rig.request(0)).status == 201
-    made = leader.call("POST", "/v1/rigs", {"cameras": 3}).json
-    rig.rig_id, rig.join_code = made["rig_id"], made["join_code"]
-    joined = rig.clients[1].open(**rig.request(1), rig={"code": rig.join_code.lower(), "position": 2})
+    rig = RigTruth(stack, count=3, seed=7).lead()
+    joined = rig.join(1, code=rig.join_code.lower(), position=2)
     assert joined.json["rig"] == {"id": rig.rig_id, "position": 2}
     state = rig.state()
     assert [camera["status"] for camera in state["cameras"]] == ["capturing", "waiting", "capturing"]

@@ -6,11 +6,12 @@ import struct
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, Camera
-from calibsolver.formats import ExportSource, write
+from calibsolver import CalibrationError
+from calibsolver.formats import FORMATS
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
 from tests.helpers.data import ROOT
+from tests.helpers.solver.export_sources import subject, written
 
 DS = {"fx": 158.28, "fy": 158.27, "cx": 254.96, "cy": 256.88, "xi": -0.172, "alpha": 0.593}
 EUCM = {"fx": 460.0, "fy": 459.0, "cx": 370.2, "cy": 250.1, "alpha": 0.62, "beta": 1.05}
@@ -95,15 +96,14 @@ def test_lens_database_gives_the_camera_of_each_focal_length() -> None:
         read_bytes(content.replace(b'.dtd">', b'.dtd" [<!ENTITY a "b">]>'), ".xml")
 
 
-@pytest.mark.parametrize("dictionary", [False, True])
-def test_meshroom_of_both_ages_is_read(dictionary: bool) -> None:
+def test_meshroom_of_both_ages_is_read() -> None:
     old = {
         "intrinsicId": "1",
         "width": "1280",
         "height": "720",
         "type": "radial3",
-        "pxFocalLength": {"x": 900.0, "y": 900.0} if dictionary else "900.0",
-        "principalPoint": {"x": 650.0, "y": 352.0} if dictionary else ["650.0", "352.0"],
+        "pxFocalLength": "900.0",
+        "principalPoint": ["650.0", "352.0"],
         "distortionParams": ["-0.2", "0.05", "0.01"],
     }
     new = {
@@ -121,11 +121,10 @@ def test_meshroom_of_both_ages_is_read(dictionary: bool) -> None:
 
 
 def test_artoolkits_binary_file_is_read_back() -> None:
-    k = np.array([900.0, 905, 650, 350, -0.2, 0.05, 0.001, -0.002, 0])
-    camera = Camera.from_intrinsics("rectilinear", k, (1280, 720))
-    raw = write(ExportSource(camera), "artoolkit").content
+    raw = written("rectilinear", "artoolkit").content
     result = read_bytes(raw, ".dat").camera
     assert result is not None
-    assert result.intrinsics == pytest.approx(camera.intrinsics)
+    held = FORMATS["artoolkit"].convert(subject("rectilinear")).camera
+    assert result.intrinsics == pytest.approx(held.intrinsics)
     with pytest.raises(CalibrationError, match="versions 1 to 3"):
         read_bytes(raw[: struct.calcsize(">2i12d") + 32], ".dat")

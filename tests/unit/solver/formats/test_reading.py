@@ -135,6 +135,7 @@ READABLE = {
     "opencv-json": ".json",
     "ros": ".yaml",
     "kalibr": ".yaml",
+    "opensfm": ".json",
     "mrcal": ".cameramodel",
     "gyroflow": ".json",
     "photonvision": ".json",
