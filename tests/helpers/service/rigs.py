@@ -70,7 +70,7 @@ class RigTruth:
             assert joined.status == 201, joined.body
         return self
 
-    def join(self, position: int, **rig: object) -> Answer:
+    def join(self, position: int, /, **rig: object) -> Answer:
         wanted = rig or {"code": self.join_code, "position": position}
         return self.clients[position].open(**self.request(position), rig=wanted)
 
