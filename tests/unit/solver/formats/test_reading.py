@@ -206,120 +206,68 @@ def test_corners_of_real_photographs_match_their_board(name: str) -> None:
     assert [list(ids) for ids in recognised.ids] == expected
 
 
-def gyroflow(**members: object) -> str:
-    params = {"camera_matrix": [[1800, 0, 1280], [0, 905, 350], [0, 0, 1]], "distortion_coeffs": FISHEYE}
-    return json.dumps({"calib_dimension": {"w": 2560, "h": 720}, "fisheye_params": params, **members})
-
-
 def test_gyroflow_anamorphic_picture_is_compressed_again() -> None:
     """Without the flag `asymmetrical` the principal point is the centre."""
-    stretched = gyroflow(input_horizontal_stretch=2.0, input_vertical_stretch=0)
-    found = imported("g.json", stretched).camera
+    params = {"camera_matrix": [[1800, 0, 1280], [0, 905, 350], [0, 0, 1]], "distortion_coeffs": FISHEYE}
+    stretch = {"input_horizontal_stretch": 2.0, "input_vertical_stretch": 0}
+    profile = {"calib_dimension": {"w": 2560, "h": 720}, "fisheye_params": params, **stretch}
+    found = imported("g.json", json.dumps(profile)).camera
     assert found is not None
     assert found.img_size == SIZE
     assert np.allclose(found.intrinsics[:4], [900, 905, 640, 360])
 
 
-def camera(**members: object) -> str:
-    return json.dumps({"fx": 900, "fy": 905, "cx": 630, "cy": 350, "size": SIZE, **members})
-
-
-def photonvision(member: str, value: object) -> str:
-    good = json.loads(written("rectilinear", "photonvision").content)
-    return json.dumps({**good, member: value})
-
-
-def mrcal(lens: str, intrinsics: str, more: str = "") -> str:
-    return f"{{'lensmodel': 'LENSMODEL_{lens}', 'intrinsics': [{intrinsics}], 'imagersize': [4, 4]{more}}}"
-
-
-SIDE = camera().replace("720", "%s")
-REFUSED: dict[str, tuple[str | bytes | Callable[[], str], str]] = {
-    "superview.json": (gyroflow(digital_lens="gopro_superview"), "digital lens .gopro_superview"),
-    "old.json": (gyroflow(is_superview=True), "digital lens"),
-    "ptlens.json": (gyroflow(distortion_model="ptlens"), "ptlens"),
-    "ds.json": (camera(camera_type="ds"), "'ds' is not"),
-    "fov.yaml": ((FILES / "several" / "chain.yaml").read_text().replace("equidistant", "fov"), "fov"),
-    "millimetres.json": (camera(fx=3.6, fy=3.6), "millimetres"),
-    "settings.xml": (
-        "<opencv_storage><Settings><BoardSize_Width>9</BoardSize_Width><Calibrate_Pattern>CHESSBOARD"
-        "</Calibrate_Pattern></Settings></opencv_storage>",
-        "settings of a calibration program",
-    ),
-    "estimator.yaml": ('%YAML:1.0\nimu: 1\ncam0_calib: "cam0_mei.yaml"\n', "cam0_mei.yaml"),
-    "nothing.yaml": ("", "empty"),
-    "prose.txt": ("Dear reader,\nthis is no calibration.\n", "not an object|no kind"),
-    "entity.xml": ('<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "declares entities"),
-    "cut.xml": ("<opencv_storage><K>", "not XML"),
-    "pickle.pkl": (b"\x80\x04\x95", "pickle"),
-    "ros.tar.gz": (b"\x1f\x8b\x08\x00", "unpack"),
-    "contradiction.json": (camera(D=list(range(1, 10))), "coefficients"),
-    "numpy.yaml": (
-        "mtx: !!python/object/apply:numpy.core.multiarray._reconstruct\n- !!python/name:numpy.ndarray ''\n",
-        "tolist",
-    ),
-    "list.json": ("[]", "not an object"),
-    "empty.json": ("{}", "no kind"),
-    "image.json": (b"\x89PNG\r\n\xff\xfe", "no text"),
-    "bomb.yaml": ("a: &a [1, 1]\nb: &b [*a, *a]\nc: [*b, *b]\n", "aliases"),
-    "deep.yaml": ("a: " + "[" * 500 + "]" * 500, "nested too deeply"),
-    "deep.json": ("[" * 100_000, "JSON|nested"),
-    "nan.json": (SIDE % "NaN", "NaN"),
-    "nines.json": (SIDE % ("9" * 400), "a number"),
-    "tag.yaml": ("!!python/object/apply:os.getcwd []", "not YAML"),
-    "date.yaml": ("img_size: 2001-99-99", "cannot be read|not YAML|img_size"),
-    "cut.json": (camera()[:50], "not JSON"),
-    "large.yaml": ("a: 1\n" * 300_000, "larger than"),
-    "height.json": (lambda: photonvision("resolution", {"width": 1280}), "resolution.height"),
-    "width.json": (lambda: photonvision("resolution", {"width": 1e9, "height": 720}), "resolution.width"),
-    "three.json": (lambda: photonvision("cameraIntrinsics", {"data": [1, 2, 3]}), "9 to 9 numbers"),
-    "letters.json": (lambda: photonvision("cameraIntrinsics", {"data": ["a"] * 9}), "must be numbers"),
-    "zero.json": (lambda: photonvision("cameraIntrinsics", {"data": [0.0] * 9}), "positive"),
-    "prism.json": (lambda: photonvision("distCoeffs", {"data": [0.1] * 12}), "thin prism"),
-    "observed.json": (lambda: photonvision("observations", "many"), "list"),
-    "many.json": (lambda: photonvision("observations", [{}] * 2000), "at most"),
-    "point.json": (lambda: photonvision("observations", [{"locationInObjectSpace": [{"x": 1}]}]), "no y"),
-    "cahvor.cameramodel": (mrcal("CAHVOR", "1"), "none of"),
-    "call.cameramodel": ("{'lensmodel': __import__('os').getcwd()}", "not a Python dictionary"),
-    "brackets.cameramodel": ("'lensmodel'" + "(" * 5000, "not a Python dictionary"),
-    "infinite.cameramodel": (mrcal("OPENCV4", "1, 1, 1, 1, 0, 0, 0, 1e999"), "none of a"),
-    "inputs.cameramodel": (
-        mrcal("PINHOLE", "1, 1, 1, 1", ", 'optimization_inputs': b'nonsense'"),
-        "cannot be read",
-    ),
-}
+REFUSED: dict[str, str] = json.loads((FILES / "refused.json").read_text())
+"""Words about the files in the folder `refused`, by name."""
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_is_no_camera_known_here_is_refused_in_words(name: str) -> None:
-    content, reason = REFUSED[name]
+    refused(name, (FILES / "refused" / name).read_bytes(), REFUSED[name])
+
+
+def refused(name: str, content: str | bytes, reason: str) -> None:
     with pytest.raises(CalibrationError, match=reason) as caught:
-        imported(name, content() if callable(content) else content)
+        imported(name, content)
     assert caught.value.code == "malformed"
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
 
 
-def test_size_that_contradicts_the_file_is_refused() -> None:
-    with pytest.raises(CalibrationError, match="1280 x 720, not 640 x 480"):
-        read_file(FILES / "rectilinear" / "camera.yml", ReaderOptions(img_size=(640, 480)))
+def test_large_and_deep_files_are_refused() -> None:
+    refused("deep.yaml", "a: " + "[" * 500 + "]" * 500, "nested too deeply")
+    refused("deep.json", "[" * 100_000, "JSON|nested")
+    refused("brackets.cameramodel", "'lensmodel'" + "(" * 5000, "not a Python dictionary")
+    refused("large.yaml", "a: 1\n" * 300_000, "larger than")
+    refused(
+        "nines.json",
+        '{"fx": 900, "fy": 900, "cx": 1, "cy": 1, "width": 9, "height": %s}' % ("9" * 400),
+        "a number",
+    )
 
 
 @pytest.mark.parametrize(
-    ("name", "member", "prefix"),
+    ("member", "value", "reason"),
     [
-        ("lens_model", "icam_intrinsics_optimization_inputs", "DISTORTION"),
-        ("distortion_model", "icam_intrinsics", "LENSMODEL"),
+        ("resolution", {"width": 1280}, "resolution.height"),
+        ("resolution", {"width": 1e9, "height": 720}, "resolution.width"),
+        ("cameraIntrinsics", {"data": [1, 2, 3]}, "9 to 9 numbers"),
+        ("cameraIntrinsics", {"data": ["a"] * 9}, "must be numbers"),
+        ("cameraIntrinsics", {"data": [0.0] * 9}, "positive"),
+        ("distCoeffs", {"data": [0.1] * 12}, "thin prism"),
+        ("observations", "many", "list"),
+        ("observations", [{}] * 2000, "at most"),
+        ("observations", [{"locationInObjectSpace": [{"x": 1}]}], "has no y"),
     ],
 )
-def test_mrcal_1_names_are_known(name: str, member: str, prefix: str) -> None:
-    values = ", ".join(map(str, [*INTRINSICS, *D]))
-    content = (
-        f"# generated\n{{\n    '{name}':  '{prefix}_OPENCV5',\n\n"
-        f"    # intrinsics\n    'intrinsics': [ {values},],\n"
-        f"    'extrinsics': [ 0,0,0,0,0,0,],\n    'imagersize': [ 1280, 720,],\n    '{member}': 0,\n}}\n"
-    )
-    holds(imported("c.cameramodel", content), "rectilinear", D)
+def test_damaged_member_of_photonvisions_file_is_named(member: str, value: object, reason: str) -> None:
+    good = json.loads(written("rectilinear", "photonvision").content)
+    refused("camera.json", json.dumps({**good, member: value}), reason)
+
+
+def test_size_that_contradicts_the_file_is_refused() -> None:
+    with pytest.raises(CalibrationError, match="1280 x 720, not 640 x 480"):
+        read_file(FILES / "rectilinear" / "camera.yml", ReaderOptions(img_size=(640, 480)))
 
 
 #: genuine files that are no calibration, or of a model that is not known here
