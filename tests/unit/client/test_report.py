@@ -21,8 +21,7 @@ def test_report_of_a_file_has_plots_and_a_row_per_picture(left_file: bytes) -> N
     Path("left.json").write_bytes(left_file)
     assert calibdb("plot left.json") == 0
     page = Path("report.html").read_text()
-    assert page.count("<tr><td>") == 9 + 13 + page[: page.index("<h2>")].count("<tr><td>")
-    assert "12.jpg" in page
+    assert all(f"{n:02}.jpg" in page for n in range(13))
     assert len(page) > 100_000
     assert "<script" not in page
     assert set(re.findall(r'src="([^"]{0,22})', page)) == {"data:image/png;base64,"}
