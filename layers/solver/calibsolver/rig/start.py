@@ -19,9 +19,7 @@ from .. import models, rotation
 from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting.approximation import Approximation, approximate
-from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
+from ..fitting.approximation import approximate
 from ..fitting.observations import Observations
 from ..fitting.resection import resect
 from ..fitting.validation import MIN_POINTS, check
@@ -265,21 +263,15 @@ class Single:
     noise: float
 
 
-def fit_alone(
-    moments: Sequence[Moment], position: int, given: Specification, robust: bool, near: Camera | None
-) -> Single:
+def fit_alone(moments: Sequence[Moment], position: int, given: Specification, near: Camera | None) -> Single:
     """Fit, or resect, the views of one camera; CalibrationError names the camera."""
     numbers = [m for m, moment in enumerate(moments) if position in moment]
     views = [moments[m][position] for m in numbers]
     try:
         if isinstance(given, Camera):
-            return _resect(given, numbers, views, robust)
+            return _resect(given, numbers, views)
         size, model = given
-        result: Calibration | Approximation
-        if robust:
-            result = approximate(views, size, model, start=near)
-        else:
-            result = fit(views, size, model, robust=False, start=near)
+        result = approximate(views, size, model, start=near)
     except CalibrationError as error:
         raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
     poses = {
@@ -297,8 +289,8 @@ def resected(moments: Sequence[Moment], alone: Mapping[int, Single]) -> list[Res
     ]
 
 
-def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View], robust: bool) -> Single:
-    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS or not robust]
+def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View]) -> Single:
+    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS]
     if not usable:
         raise CalibrationError("too_few_points", f"every view needs {MIN_POINTS} points")
     obs = check([views[i] for i in usable], camera.img_size)
