@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import CalibrationError
-from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import matrix_of
-from .foreign_models import closest_camera, rays_of_kind
+from . import generic, text
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint, ReaderOptions
 from .format import Format
+
+FOREIGN = {"ds": ("xi", "alpha"), "eucm": ("alpha", "beta")}
 
 
 class Kalibr(Format):
@@ -55,16 +55,14 @@ class Kalibr(Format):
 
 def is_foreign(cam: Mapping[Any, Any]) -> bool:
     """True if a camera of a camchain is of a model that calibsolver lacks, its parameters before fx."""
-    return {"camera_model", "intrinsics", "resolution"} <= cam.keys() and cam["camera_model"] in (
-        "ds",
-        "eucm",
-    )
+    return {"camera_model", "intrinsics", "resolution"} <= cam.keys() and cam["camera_model"] in FOREIGN
 
 
 def read_foreign(cam: Mapping[Any, Any]) -> ImportedFile:
     """Read such a camera: the closest one; CalibrationError ``malformed``."""
-    one, other, *k = text.floats(cam["intrinsics"], "intrinsics", 6, 6).tolist()
+    kind = cam["camera_model"]
     if text.floats(cam.get("distortion_coeffs", []), "distortion_coeffs", 0, 8).any():
-        raise text.refuse(f"Kalibr's {cam['camera_model']} with distortion_coeffs is not supported")
-    rays_of = rays_of_kind(cam["camera_model"], matrix_of(*k), one, other)
-    return closest_camera(rays_of, text.width_height(cam["resolution"], ("resolution", "resolution")))
+        raise text.refuse(f"Kalibr's {kind} with distortion_coeffs is not supported")
+    values = text.floats(cam["intrinsics"], "intrinsics", 6, 6).tolist()
+    named = dict(zip((*FOREIGN[kind], "fx", "fy", "cx", "cy"), values, strict=True))
+    return generic.read({**named, "type": kind, "resolution": cam["resolution"]}, ReaderOptions())
