@@ -44,21 +44,19 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_MODULES = {
-    "Answer": "calibration",
-    "AsyncClient": "aio",
-    "Board": "board",
-    "Calibration": "calibration",
-    "Camera": "camera",
-    "CaptureInterruptedError": "capture.operation",
-    "CheckResult": "checks",
-    "CaptureResult": "session",
-    "Client": "client",
-    "Estimate": "calibration",
-    "Recording": "recording",
-    "Rig": "rig",
-    "open_camera": "camera",
+_NAMES = {
+    "aio": ("AsyncClient",),
+    "board": ("Board",),
+    "calibration": ("Answer", "Calibration", "Estimate"),
+    "camera": ("Camera", "open_camera"),
+    "capture.operation": ("CaptureInterruptedError",),
+    "checks": ("CheckResult",),
+    "client": ("Client",),
+    "recording": ("Recording",),
+    "rig": ("Rig",),
+    "session": ("CaptureResult",),
 }
+"""Names by module."""
 
 __all__ = [
     "Answer",
@@ -95,6 +93,7 @@ def __getattr__(name: str) -> Any:
     """Import the module of a public name."""
     if name == "offline":
         return import_module(".offline", __name__)
-    if name in _MODULES:
-        return getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    for module, names in _NAMES.items():
+        if name in names:
+            return getattr(import_module(f".{module}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

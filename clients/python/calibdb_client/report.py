@@ -135,18 +135,11 @@ def _page(
     names = ("fx", "fy", "cx", "cy", *models.get(fit.camera.model).coefficients)
     deviations = np.sqrt(np.diagonal(fit.covariance))
     values = [
-        f"<tr><td>{name}</td><td>{value:.6g}</td><td>± {sigma:.2g}</td></tr>"
+        _row(name, f"{value:.6g}", f"± {sigma:.2g}")
         for name, value, sigma in zip(names, fit.camera.intrinsics, deviations, strict=True)
     ]
-    pictures = [
-        f"<tr><td>{html.escape(row.source)}</td><td>{row.corners}</td><td>{row.used}</td>"
-        f"<td>{row.rms:.3f}</td><td>{html.escape(row.remark)}</td></tr>"
-        for row in rows
-    ]
-    facts = "".join(
-        f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
-        for name, value in calibration_facts(calibration.record)
-    )
+    pictures = [_row(r.source, r.corners, r.used, f"{r.rms:.3f}", r.remark) for r in rows]
+    facts = "".join(_row(*fact) for fact in calibration_facts(calibration.record))
     image = base64.b64encode(png).decode()
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>'
@@ -159,3 +152,8 @@ def _page(
         f"<h2>Pictures</h2><table><tr><th>picture</th><th>corners</th><th>used</th><th>rms, px</th>"
         f"<th></th></tr>{''.join(pictures)}</table></html>\n"
     )
+
+
+def _row(*cells: object) -> str:
+    """Return a row of a table."""
+    return "<tr>" + "".join(f"<td>{html.escape(str(cell))}</td>" for cell in cells) + "</tr>"
