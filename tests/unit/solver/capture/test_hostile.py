@@ -258,14 +258,31 @@ def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> Non
     session.finish(6)
 
 
+# Rotation vectors, and places of the board's middle, in squares
+POSES = [
+    ((0.5, 0.0, 0.0), (0, 0, 11)),
+    ((-0.5, 0.1, 0.1), (3, 1, 12)),
+    ((0.0, 0.6, 0.0), (-3, 1, 12)),
+    ((0.1, -0.6, 0.2), (2, -1, 13)),
+    ((0.4, 0.4, 1.5), (-2, -1, 12)),
+    ((-0.3, -0.4, 0.0), (0, 1, 14)),
+]
+
+
+def view_of(camera: Camera, index: int) -> View:
+    """The board in the pose of that number, before a camera."""
+    turn, middle = POSES[index]
+    rvec = np.array(turn)
+    tvec = np.array(middle) - rotation.matrix(rvec) @ (4.5, 3, 0)
+    return synthetic.detect(BOARD, camera, rvec, tvec, np.random.default_rng(index))
+
+
 @pytest.mark.parametrize("place", [0, 1])
 def test_view_of_another_camera_is_an_outlier_and_conflicts_with_the_next_view(place: int) -> None:
-    views, others = (
-        populations.views(camera, np.random.default_rng(3)) for camera in (CAMERA, other_camera())
-    )
+    views = [view_of(CAMERA, index) for index in range(len(POSES))]
     consistency = Consistency(SIZE, "rectilinear")
     assert consistency.find_outlier_view(views) is None
     assert consistency.find_conflicting_view(views[:4], views[5]) is None
-    views[place] = others[place]
+    views[place] = view_of(other_camera(), place)
     assert consistency.find_outlier_view(views) == place
     assert consistency.find_conflicting_view(views[:4], views[5]) == place
