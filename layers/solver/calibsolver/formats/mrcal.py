@@ -15,13 +15,14 @@ from .. import rotation
 from ..arrays import Array
 from ..board import Board
 from ..errors import CalibrationError
+from ..fitting.resection import reprojection_score
 from ..view import View
 from . import text
 from .base import ANY_MODEL, Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv, matrix_of
 from .convert import all_points
 from .format import Format
-from .optimum import MIN_USED_POINTS, at_optimum, resect_used
+from .optimum import MIN_USED_POINTS, at_optimum
 
 SIZES = {
     "LENSMODEL_PINHOLE": 0,
@@ -87,7 +88,8 @@ class Mrcal(Format):
         for grid, view, mask in zip(observed, views, used, strict=True):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
             grid[row, column, :2], grid[row, column, 2] = view.image_points, np.where(mask, 1.0, -1.0)
-        poses = resect_used(conversion.camera, views, used)
+        points = [view.subset(mask) for view, mask in zip(views, used, strict=True)]
+        poses = np.array(reprojection_score(conversion.camera, points).poses)
         poses[:, 3:] += rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
         n = len(views)
         indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, Mask
+from ..arrays import Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting import resection
@@ -45,12 +45,3 @@ def _used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
     except CalibrationError:
         pass
     return all_points(views)
-
-
-def resect_used(camera: Camera, views: Sequence[View], used: Sequence[Mask]) -> Array:
-    """Return the poses (v, 6) of views by the points of each that count."""
-    kept = [
-        view.subset(mask) if mask.sum() >= MIN_USED_POINTS else view
-        for view, mask in zip(views, used, strict=True)
-    ]
-    return np.array(resection.reprojection_score(camera, kept).poses)
