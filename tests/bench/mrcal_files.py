@@ -21,8 +21,7 @@ from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.fitting.normal_equations import POSE_SIZE, Poses, linearize
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportSource
-from calibsolver.formats.mrcal import Mrcal
-from calibsolver.formats.optimum import MIN_USED_POINTS
+from calibsolver.formats.mrcal import MIN_USED_POINTS, Mrcal
 from tests.bench.document import table
 from tests.helpers.data import available, corner_views, on_board
 from tests.helpers.solver.export_sources import captured, subject

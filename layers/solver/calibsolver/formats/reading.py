@@ -8,8 +8,8 @@ from . import (
     artoolkit,
     colmap,
     document,
+    foreign_models,
     mrcal,
-    ocamcalib,
     plain_values,
     text,
 )
@@ -85,7 +85,7 @@ def _of_values(parse: Callable[[str], object]) -> Callable[[str, ReaderOptions],
 
 
 _TEXT_READERS: Sequence[tuple[Callable[[str], Any], Callable[[str, ReaderOptions], ImportedFile]]] = (
-    (ocamcalib.is_results, lambda content, _: ocamcalib.read(content)),
+    (foreign_models.is_ocamcalib, lambda content, _: foreign_models.read_ocamcalib(content)),
     (lambda content: content.lstrip().startswith("<"), _of_values(plain_values.xml)),
     (mrcal.is_model, lambda content, _: mrcal.read(content)),
     (plain_values.is_ros_ini, _of_values(plain_values.ros_ini)),
