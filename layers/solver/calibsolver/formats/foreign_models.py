@@ -114,7 +114,8 @@ def is_ocamcalib(content: str) -> bool:
 def read_ocamcalib(content: str) -> ImportedFile:
     """Read a calib_results.txt, a polynomial of the distance from the centre: the closest camera.
 
-    Pixels are counted from 0, rows before columns, and the optical axis is -z. Raises as it does.
+    Pixels are counted from 0, rows before columns, and the optical axis is -z. Raises as `closest_camera`
+    does.
     """
     rows = [
         numbers
