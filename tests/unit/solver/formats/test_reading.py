@@ -234,7 +234,10 @@ def refused(name: str, content: str | bytes, reason: str) -> None:
     assert len(str(caught.value)) < 500
 
 
-def test_large_and_deep_files_are_refused() -> None:
+def test_binary_large_and_deep_files_are_refused() -> None:
+    refused("camera.pkl", b"\x80\x04\x95", "pickle")
+    refused("ros.tar.gz", b"\x1f\x8b\x08\x00", "unpack")
+    refused("image.json", b"\x89PNG\r\n\xff\xfe", "no text")
     refused("deep.yaml", "a: " + "[" * 500 + "]" * 500, "nested too deeply")
     refused("deep.json", "[" * 100_000, "JSON|nested")
     refused("brackets.cameramodel", "'lensmodel'" + "(" * 5000, "not a Python dictionary")
