@@ -266,11 +266,14 @@ class Client(Service):
         Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; their `recording` is what was
         captured.
         """
+        from .capture.guide import ServiceGuide
         from .capture.operation import prepare
 
-        consent, keep = session.consent_of(licence, mode_name), keep or ignore
-        operation = prepare(camera, **options)
-        return (yield from operation.by_service(live_model(model), keep, self._calibration, consent))
+        consent = session.consent_of(licence, mode_name)
+        guide = functools.partial(
+            ServiceGuide, model=live_model(model), make=self._calibration, consent=consent
+        )
+        return (yield from prepare(camera, **options).run(guide, keep or ignore))
 
     @driven
     def check(
