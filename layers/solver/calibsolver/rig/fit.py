@@ -72,12 +72,13 @@ MAX_NOISE_RATIO = 4.0
 def fit(
     moments: Sequence[Moment],
     cameras: Sequence[Specification],
+    robust: bool = True,
     *,
     starts: Mapping[int, Camera] | None = None,
     max_points: int | None = None,
     board_shape: bool = True,
 ) -> RigCalibration:
-    """Fit a rig of cameras to moments; views that contradict it, and points beyond 4 sigma, are left out.
+    """Fit a rig of cameras to moments.
 
     Parameters
     ----------
@@ -85,6 +86,9 @@ def fit(
         Views of each pose of the board, held still, by the positions of their cameras, in any unit of length.
     cameras
         For each position the image size and the model to be fitted, or a `Camera` whose intrinsics are held.
+    robust
+        Set aside views that contradict the rig, and leave out points beyond 4 sigma. Otherwise plain least
+        squares over all points, and a view that no camera could have seen raises.
     starts
         Cameras that may be near, by position.
     max_points
@@ -105,10 +109,10 @@ def fit(
         moments = thin(moments, max_points)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
         starts = starts or {}
-        alone = [fit_alone(moments, i, each, starts.get(i)) for i, each in enumerate(cameras)]
+        alone = [fit_alone(moments, i, each, robust, starts.get(i)) for i, each in enumerate(cameras)]
         usable = {m: each for m, each in enumerate(resected(moments, dict(enumerate(alone)))) if each.poses}
         motions, located = start([each.camera for each in alone], list(usable.values()))
-        return _RigFit(moments, alone, list(usable), motions, located, board_shape).run()
+        return _RigFit(moments, alone, list(usable), motions, located, robust, board_shape).run()
 
 
 def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
@@ -140,6 +144,7 @@ class _RigFit:
     linked: Sequence[int]
     motions: Sequence[RigidMotion]
     located: Sequence[LocatedMoment]
+    robust: bool
     board_shape: bool
 
     @cached_property
@@ -155,7 +160,7 @@ class _RigFit:
     @cached_property
     def problem(self) -> RigProblem:
         cameras, held = [each.camera for each in self.alone], [each.is_held for each in self.alone]
-        weights = [self.noise / float(noise) for noise in self.noises]
+        weights = [self.noise / float(noise) for noise in self.noises] if self.robust else None
         return RigProblem.of([each.views for each in self.located], cameras, held, weights)
 
     @cached_property
@@ -181,6 +186,8 @@ class _RigFit:
         motions = np.array([each.vector() for each in self.motions])
         k = problem.pack([each.camera.intrinsics for each in self.alone], motions)
         state = problem.at(k, Poses(*stack([each.board for each in self.located])))
+        if not self.robust:
+            return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
         state, good = self._begin(state)
         among = self.mask
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
@@ -481,7 +488,7 @@ class _HeldRig(RigProblem):
 def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
     """Sum of the squared distances, px^2, over moments whose board poses are fitted, and number of points."""
     alone = {
-        i: fit_alone(moments, i, camera, None)
+        i: fit_alone(moments, i, camera, True, None)
         for i, camera in enumerate(rig.cameras)
         if any(i in moment for moment in moments)
     }

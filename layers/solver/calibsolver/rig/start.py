@@ -19,7 +19,9 @@ from .. import models, rotation
 from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting.approximation import approximate
+from ..fitting.approximation import Approximation, approximate
+from ..fitting.calibration import Calibration
+from ..fitting.fit import fit
 from ..fitting.observations import Observations
 from ..fitting.resection import resect
 from ..fitting.validation import MIN_POINTS, check
@@ -263,15 +265,21 @@ class Single:
     noise: float
 
 
-def fit_alone(moments: Sequence[Moment], position: int, given: Specification, near: Camera | None) -> Single:
+def fit_alone(
+    moments: Sequence[Moment], position: int, given: Specification, robust: bool, near: Camera | None
+) -> Single:
     """Fit, or resect, the views of one camera; CalibrationError names the camera."""
     numbers = [m for m, moment in enumerate(moments) if position in moment]
     views = [moments[m][position] for m in numbers]
     try:
         if isinstance(given, Camera):
-            return _resect(given, numbers, views)
+            return _resect(given, numbers, views, robust)
         size, model = given
-        result = approximate(views, size, model, start=near)
+        result: Calibration | Approximation
+        if robust:
+            result = approximate(views, size, model, start=near)
+        else:
+            result = fit(views, size, model, robust=False, start=near)
     except CalibrationError as error:
         raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
     poses = {
@@ -289,8 +297,8 @@ def resected(moments: Sequence[Moment], alone: Mapping[int, Single]) -> list[Res
     ]
 
 
-def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View]) -> Single:
-    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS]
+def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View], robust: bool) -> Single:
+    usable = [i for i, view in enumerate(views) if len(view) >= MIN_POINTS or not robust]
     if not usable:
         raise CalibrationError("too_few_points", f"every view needs {MIN_POINTS} points")
     obs = check([views[i] for i in usable], camera.img_size)

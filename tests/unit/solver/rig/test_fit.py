@@ -56,10 +56,13 @@ def test_real_pair_agrees_with_opencv_once_the_reversed_view_is_turned_back() ->
     assert [m for m, _ in found.turned] == [8], "pair 09"
     assert found.set_aside == {}
     assert found.rms <= 0.271
-    rms, r, t = opencv(rigs.corrected_pairs())
+    pairs = rigs.corrected_pairs()
+    rms, r, t = opencv(pairs)
     assert found.rms == pytest.approx(rms, abs=2e-4)
     assert np.linalg.norm(found.poses[1, 3:]) == pytest.approx(np.linalg.norm(t), abs=0.005)
     assert angle_deg(found.motions[1], r) < 0.05
+    as_opencv = rig.fit(pairs, PAIR, robust=False)
+    assert as_opencv.rms == pytest.approx(rms, abs=5e-6)
 
 
 def test_real_pair_predicts_moments_it_never_saw() -> None:
