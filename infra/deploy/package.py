@@ -16,6 +16,7 @@ from infra.web_build.site_headers import CONTENT_SECURITY_POLICY
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
+ROLE = ROOT / "infra" / "deploy" / "role.yaml"
 DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
 FRAGMENTS = (
@@ -72,10 +73,6 @@ def _resources(fragment: Template) -> Template:
     for name, alarm in fragment.get("Alarms", {}).items():
         condition = {"Condition": alarm.pop("Condition")} if "Condition" in alarm else {}
         resources[name] = {"Type": "AWS::CloudWatch::Alarm", **condition, "Properties": _ALARM | alarm}
-    for name, statements in fragment.get("Policies", {}).items():
-        allowed = [{"Effect": "Allow", **statement} for statement in statements]
-        document = {"Version": "2012-10-17", "Statement": allowed}
-        resources[name] = {"Type": "AWS::IAM::ManagedPolicy", "Properties": {"PolicyDocument": document}}
     return resources
 
 
@@ -154,10 +151,12 @@ def _edge_function(path: Path, pages: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the complete template to the file named, for programs that check it."""
+    """Write the complete template to the file named, for programs that check it; or that of the role."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.package", description=main.__doc__)
     parser.add_argument("file", type=Path)
-    write_template(complete_template(), parser.parse_args(arguments).file)
+    parser.add_argument("--role", action="store_true")
+    options = parser.parse_args(arguments)
+    write_template(parse(ROLE) if options.role else complete_template(), options.file)
     return 0
 
 

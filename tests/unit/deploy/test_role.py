@@ -95,7 +95,7 @@ def listed(value: Any) -> list[Any]:
 
 def test_one_environment_of_one_repository_assumes_the_role() -> None:
     (trust,) = ROLE["DeployRole"]["Properties"]["AssumeRolePolicyDocument"]["Statement"]
-    assert trust["Action"] == "sts:AssumeRoleWithWebIdentity"
+    assert trust["Action"] == ["sts:AssumeRoleWithWebIdentity"]
     assert trust["Condition"]["StringEquals"] == {
         "token.actions.githubusercontent.com:aud": "sts.amazonaws.com",
         "token.actions.githubusercontent.com:sub": {
