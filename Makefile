@@ -241,13 +241,26 @@ verify: $(SETUP) ## check the deployment and the packages with other people's pr
 	@$(PY) -m infra.deploy.package .build/template.yaml
 	$(CHECKOV) --config-file infra/checkov.yaml --skip-download -f .build/template.yaml
 
-# The storage tests against another implementation of AWS than moto
+# The storage tests against another implementation of AWS than moto, whose lenience hides differences
 .verify-conformance: $(MINISTACK)
-	@$(PY) -m infra.ci.conformance
+	@$(PY) -m infra.ci.ministack $(PYTEST) -q $(addprefix tests/unit/store/test_,ports.py store.py calibrations.py names.py)
 
-# calibsolver and the client with the lowest and the highest versions of Python, numpy and OpenCV
+# Tests that need only calibsolver and the client
+PINNED := $(addprefix tests/unit/solver/,fitting/test_fit.py fitting/test_constraint.py fitting/test_rivals.py \
+	formats/test_foreign_models.py formats/test_conversion_error.py formats/test_ray_fit.py test_locate.py rig/test_fit.py) \
+	$(addprefix tests/unit/client/test_,boards_in_pictures.py circles.py files.py fix.py undistort_and_check.py)
+
+# calibsolver and the client with the lowest and the highest versions of Python, numpy and OpenCV that they permit
 .verify-pins: $(UV) .venv/.made
-	@UV=$(abspath $(UV)) $(PY) -m infra.ci.pins
+	@$(MAKE) --no-print-directory .pinned-lowest-direct OF=3.10
+	@$(MAKE) --no-print-directory .pinned-highest OF=3.13
+
+.pinned-%:
+	@$(UV) venv --quiet --clear --python $(OF) .build/pins/$*
+	@$(UV) pip install --quiet --python .build/pins/$* --resolution $* './layers/solver[opencv]' './clients/python[opencv]'
+	@$(UV) pip install --quiet --python .build/pins/$* pytest pytest-xdist hypothesis pyyaml
+	@.build/pins/$*/bin/python -c "import sys, numpy, cv2; print('$*:', sys.version.split()[0], numpy.__version__, cv2.__version__)"
+	@PYTHONPATH=. .build/pins/$*/bin/python -m pytest -q --confcutdir=tests/unit -m "not thorough and not external_data" $(PINNED)
 
 # The SDK's package in the builds of Vite and webpack
 .verify-bundlers: web/vendor/api.d.ts

@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import typer
 from rich.console import Console
@@ -74,19 +74,6 @@ def confirm(question: str, *, yes: bool) -> None:
     """
     if not yes and sys.stdin.isatty():
         typer.confirm(question, abort=True, err=True)
-
-
-class Track(Protocol):
-    """Function that shows how far a loop has come."""
-
-    def __call__(self, items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
-        """Yield the items; `what` names the work."""
-
-
-def pass_through(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
-    """Yield the items and show nothing."""
-    del what, total
-    yield from items
 
 
 def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:

@@ -11,6 +11,7 @@ import typer
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, RefitRequest
 from functions.backfill.app import requests_of
+from infra.console import track
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.reindex import raise_failed
 from infra.ops.session import DryRun, Json, open_run
@@ -28,14 +29,14 @@ class BackfillResult:
 def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> BackfillResult:
     """Bring the consensuses of the cameras with keys after `after` up to date; with `dry_run`, list them."""
     changed = failed = 0
-    names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
+    names = track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
     chosen = [name for name in names if not after or name.split("/")[1] > after]
     requests = list(requests_of(context.store.calibrations, chosen))  # one for each mode of each camera
     if dry_run:
         for request in requests:
             context.echo(f"{_describe(request)}: would be checked")
         return BackfillResult(len(requests), 0, 0)
-    for request in context.track(requests, "consensuses", len(requests)):
+    for request in track(requests, "consensuses", len(requests)):
         count = _refit(context, request)
         failed += count is None
         changed += count or 0

@@ -19,6 +19,7 @@ from calibdb.schema import CalibrationDocument, ConsensusDocument
 from calibdb.store import StreamMode
 from calibdb.store.aliases import Aliases
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
+from infra.console import track
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.session import Json, open_run
@@ -71,7 +72,7 @@ def list_cameras(
     with open_run(as_json=as_json) as (context, output):
         stored: Counter[str] = Counter()
         withdrawn: Counter[str] = Counter()
-        for name in context.track(context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
+        for name in track(context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
             key = name.split("/")[1]
             if text.lower() in key:
                 (withdrawn if name.endswith(WITHDRAWN) else stored)[key] += 1

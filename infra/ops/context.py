@@ -15,7 +15,7 @@ from calibdb.store.keys import WITHDRAWN
 from calibdb.store.ports import READERS, Storage
 from calibdb.store.sqlite import SqliteObjects
 from calibdb.store.storage import storage_of
-from infra.console import Track, pass_through
+from infra.console import track
 
 CALIBRATIONS_PREFIX = "calibrations/"
 Key = tuple[str, str]  # pk, sk of an item
@@ -33,7 +33,6 @@ class OpsContext:
     now: int  # unix seconds
     random_hex: Callable[[int], str]  # of so many bytes
     echo: Callable[[str], None]
-    track: Track = pass_through
 
     @classmethod
     def of(
@@ -42,7 +41,6 @@ class OpsContext:
         *,
         secret_known: bool,
         echo: Callable[[str], None] = print,
-        track: Track = pass_through,
     ) -> OpsContext:
         """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)
@@ -56,7 +54,6 @@ class OpsContext:
             now=int(time.time()),
             random_hex=secrets.token_hex,
             echo=echo,
-            track=track,
         )
 
     def remove_items(self, keys: Iterable[Key]) -> None:
@@ -66,7 +63,7 @@ class OpsContext:
 
     def every_calibration(self) -> Iterator[tuple[CalibrationDocument, bool]]:
         """Yield all calibrations, each with whether it is withdrawn, and show the progress."""
-        return self.track(self.store.calibrations.everything(), "calibrations", self._count_calibrations)
+        return track(self.store.calibrations.everything(), "calibrations", self._count_calibrations)
 
     def _count_calibrations(self) -> int:
         return sum(not name.endswith(WITHDRAWN) for name in self.objects.names(CALIBRATIONS_PREFIX))

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 
 from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
 from calibdb.schema import CalibrationDocument, RigCalibrationDocument
+from infra.console import track
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
 from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
@@ -102,9 +103,9 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
                 _write(table, corners, batch)
                 batch = []
         _write(table, corners, batch)
-    votes = _write_lines(draft / VOTES, map(select, context.track(context.store.votes.all(), "votes")))
+    votes = _write_lines(draft / VOTES, map(select, track(context.store.votes.all(), "votes")))
     if private:
-        rigs = context.track(context.store.rigs.calibrations(), "rigs")
+        rigs = track(context.store.rigs.calibrations(), "rigs")
         _write_lines(draft / RIGS, (_renamed(rig, alias) for rig in rigs))
     (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)

@@ -18,6 +18,7 @@ from calibdb.store.priors import Priors
 from calibdb.store.rigs import Rigs
 from calibdb.store.versions import Sessions
 from calibdb.store.votes import Votes
+from infra.console import track
 from infra.ops import OpsError
 from infra.ops.context import Key, OpsContext
 from infra.ops.session import DryRun, Json, open_run
@@ -88,7 +89,7 @@ def reindex(
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
     cast = 0
-    for vote in context.track(votes.all(), "votes"):
+    for vote in track(votes.all(), "votes"):
         votes.index(vote)
         cast += 1
     issued = Tokens(table, context.objects).reindex(context.now, TRIAL_PERIOD_S)
@@ -102,7 +103,7 @@ def reindex(
     consensuses = failed = 0
     chosen = None if only is None else set(only)
     wanted_modes = [] if dry_run else [mode for mode in modes if chosen is None or mode in chosen]
-    for request in context.track(wanted_modes, "consensuses", len(wanted_modes)):
+    for request in track(wanted_modes, "consensuses", len(wanted_modes)):
         refitted = refit(context, request)
         failed += refitted is None
         consensuses += refitted or 0
@@ -127,11 +128,11 @@ def _publish_finished(context: OpsContext, *, dry_run: bool) -> int:
     This covers clients that never return.
     """
     if not dry_run:
-        for rig in context.track(context.store.rigs.all(), "rigs"):
+        for rig in track(context.store.rigs.all(), "rigs"):
             if rig.finish is not None:
                 endings.end_sessions(context.store, rig, context.now)
     published = 0
-    for session in context.track(context.store.sessions.all(), "sessions"):
+    for session in track(context.store.sessions.all(), "sessions"):
         finish = session.finish
         if finish is not None and context.store.calibrations.get(finish.calibration_id) is None:
             if not dry_run:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from infra.console import Output, track
+from infra.console import Output
 
 if TYPE_CHECKING:
     from calibdb.store.ports import JobName
@@ -46,7 +46,7 @@ def open_run(*, as_json: bool = False) -> Iterator[tuple[OpsContext, Output]]:
     from infra.ops.context import OpsContext
 
     with open_output(as_json=as_json) as output, _opened() as (environment, secret_known):
-        context = OpsContext.of(environment, secret_known=secret_known, echo=output.line, track=track)
+        context = OpsContext.of(environment, secret_known=secret_known, echo=output.line)
         yield context, output
 
 

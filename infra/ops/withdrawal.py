@@ -14,7 +14,7 @@ from calibdb.schema import CalibrationDocument, RigDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from calibdb.store.rigs import rig_calibration_object
-from infra.console import confirm
+from infra.console import confirm, track
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import replace_dumps
@@ -134,7 +134,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             context.objects.purge_all_versions([name])
 
     # Rigs and sessions first: what is published follows from them, and must not be published again.
-    for rig in list(context.track(context.store.rigs.all(), "rigs")):
+    for rig in list(track(context.store.rigs.all(), "rigs")):
         if _contributors_of_rig(rig) & contributors:
             if not dry_run:
                 context.store.rigs.purge(rig.rig)
@@ -143,7 +143,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
         if set(finished.contributors) & contributors:
             purge(rig_calibration_object(finished.id))
             counts["rigs"] += 1
-    for session in list(context.track(context.store.sessions.all(), "sessions")):
+    for session in list(track(context.store.sessions.all(), "sessions")):
         if _contributors_of(session) & contributors:
             if not dry_run:
                 context.store.sessions.purge(session.session)
@@ -154,7 +154,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             purge(tombstone_object(document.id))
             affected.add(reindex.mode_of(document))
             counts["calibrations"] += 1
-    for vote in list(context.track(context.store.votes.all(), "votes")):
+    for vote in list(track(context.store.votes.all(), "votes")):
         if vote.contributor in contributors:
             purge(vote_object(vote.camera_key, vote.id))
             key = current_key(vote.camera_key, vote.camera, vote.platform)
@@ -214,7 +214,7 @@ def withdraw_calibrations(
 ) -> None:
     """Exclude calibrations from all consensuses."""
     with open_run() as (context, output):
-        for calibration_id in context.track(ids, "calibrations", len(ids)):
+        for calibration_id in track(ids, "calibrations", len(ids)):
             if dry_run:
                 _get(context, calibration_id)
                 output.line(f"would be withdrawn: {calibration_id}")
@@ -226,7 +226,7 @@ def withdraw_calibrations(
 def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Remove the names that contributors gave to modes of cameras; the calibrations stay."""
     with open_run() as (context, output):
-        for calibration_id in context.track(ids, "calibrations", len(ids)):
+        for calibration_id in track(ids, "calibrations", len(ids)):
             name = _get(context, calibration_id).mode_name
             if dry_run:
                 output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
@@ -238,7 +238,7 @@ def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
 def restore_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Include withdrawn calibrations again."""
     with open_run() as (context, output):
-        for calibration_id in context.track(ids, "calibrations", len(ids)):
+        for calibration_id in track(ids, "calibrations", len(ids)):
             if dry_run:
                 _get_withdrawn(context, calibration_id)
                 output.line(f"would be restored: {calibration_id}")
