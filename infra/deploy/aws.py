@@ -246,21 +246,25 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
 
 
 def _is_published(s3: Any, bucket: str, file: Upload) -> bool:
-    listed = s3.list_objects_v2(Bucket=bucket, Prefix=file.key, MaxKeys=1).get("Contents", [])
-    if not any(entry["Key"] == file.key for entry in listed):
-        return False
-    if s3.get_object(Bucket=bucket, Key=file.key)["Body"].read() != file.content:
+    published = _content(s3, bucket, file.key)
+    if published not in (None, file.content):
         raise DeployError(f"{file.key} is published with another content: raise the version (`make release`)")
-    return True
+    return published is not None
 
 
-def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
-    """Read the deployed `/config.json`, None if there is none."""
-    listed = s3.list_objects_v2(Bucket=bucket, Prefix="config.json", MaxKeys=1)
-    if not listed.get("KeyCount"):
-        return None
-    result: Mapping[str, str] = json.loads(s3.get_object(Bucket=bucket, Key="config.json")["Body"].read())
+def settings(s3: Any, bucket: str) -> Mapping[str, str]:
+    """Read the deployed `/config.json`; empty if there is none."""
+    result: Mapping[str, str] = json.loads(_content(s3, bucket, "config.json") or "{}")
     return result
+
+
+def _content(s3: Any, bucket: str, key: str) -> bytes | None:
+    """Read an object, None if there is none; S3 says so to those who may list the bucket."""
+    try:
+        content: bytes = s3.get_object(Bucket=bucket, Key=key)["Body"].read()
+    except s3.exceptions.NoSuchKey:
+        return None
+    return content
 
 
 def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:

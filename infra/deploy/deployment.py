@@ -136,7 +136,7 @@ def _smoke(target: Target, source: Template) -> Iterator[str]:
     # Pages of other origins may use the API's own address, where the edge answers no preflights.
     at_api = smoke.make_requester(made["ApiUrl"].removesuffix("/v1"))
     yield from (f"{made['ApiUrl']}: {problem}" for problem in smoke.preflight_problems(at_api, "/v1/lookup"))
-    settings = aws.settings(_client("s3", target), made["WebBucketName"]) or {}
+    settings = aws.settings(_client("s3", target), made["WebBucketName"])
     refit = aws.physical_id(cloudformation, stack, "RefitFunction")
     remove = functools.partial(smoke_capture.remove, made, region, refit)
     yield from smoke_capture.problems(site, settings.get("token", ""), remove)

@@ -38,6 +38,11 @@ _ALARM = {
     "TreatMissingData": "notBreaching",
     "AlarmActions": [{"Ref": "AlarmTopic"}],
 }
+# Sections of fragments with named configurations: type of their resources, and the property that has one
+_NAMED = {
+    "CachePolicies": ("AWS::CloudFront::CachePolicy", "CachePolicyConfig"),
+    "HeaderPolicies": ("AWS::CloudFront::ResponseHeadersPolicy", "ResponseHeadersPolicyConfig"),
+}
 # Folders of code, and where they are from the folder of `TEMPLATE`
 _PLACES = {"functions/": "../../functions/", "infra/": "../../infra/", "layers/": "../layers/"}
 
@@ -69,10 +74,15 @@ def complete_template() -> Template:
 
 
 def _resources(fragment: Template) -> Template:
-    resources: Template = dict(fragment["Resources"])
+    resources: Template = fragment["Resources"]
     for name, alarm in fragment.get("Alarms", {}).items():
         condition = {"Condition": alarm.pop("Condition")} if "Condition" in alarm else {}
         resources[name] = {"Type": "AWS::CloudWatch::Alarm", **condition, "Properties": _ALARM | alarm}
+    for section, (kind, place) in _NAMED.items():
+        for name, configuration in fragment.get(section, {}).items():
+            own = configuration["Name"]
+            configuration["Name"] = {"Fn::Sub": f"${{AWS::StackName}}-${{AWS::Region}}-{own}"}
+            resources[name] = {"Type": kind, "Properties": {place: configuration}}
     return resources
 
 

@@ -12,12 +12,12 @@ from calibdb.store.storage import storage_named
 from infra.ops.tokens import issue
 
 
-def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
+def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str]) -> str:
     """Return the token for the pages, valid on every address of the site.
 
-    `made`: outputs of the stack. `settings`: the deployed `/config.json`, None if there is none.
+    `made`: outputs of the stack. `settings`: the deployed `/config.json`, empty if there is none.
     """
-    return admit(_tokens(made, region), (settings or {}).get("token", ""), _origins(made))
+    return admit(_tokens(made, region), settings.get("token", ""), _origins(made))
 
 
 def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:

@@ -58,8 +58,9 @@ def main() -> int:
             second = _live()
             deploy(silent, template, (*_ONLY_ON_AWS, "build"))
             third = _live()
-            aws.rotate(boto3.client("ssm"), REHEARSAL.stack)
-            aws.rotate_edge(boto3.client("ssm"), REHEARSAL.stack)
+            ssm = boto3.client("ssm")
+            aws.rotate(ssm, REHEARSAL.stack)
+            aws.rotate_edge(ssm, REHEARSAL.stack)
         except DeployError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1
@@ -118,16 +119,13 @@ def remove_unsupported(template: Template) -> Template:
 def _problems() -> Iterator[str]:
     """Find the differences between the template and the deployed resources."""
     cloudformation = boto3.client("cloudformation")
-    (stack,) = cloudformation.describe_stacks(StackName=REHEARSAL.stack)["Stacks"]
-    if stack["StackStatus"] != "UPDATE_COMPLETE":
-        yield f"the stack is {stack['StackStatus']}"
-    made = aws.outputs(cloudformation, REHEARSAL.stack)
-    parameters = {p["ParameterKey"]: p["ParameterValue"] for p in stack["Parameters"]}
-    values = {**_AWKWARD_VALUES, "AlarmEmail": ""}
-    if different := [name for name, value in values.items() if parameters[name] != value]:
-        yield f"the stack has other values than asked for: {', '.join(different)}"
-    if parameters["GuidanceUrl"] != f"{made['SiteUrl']}/calibrate/":
-        yield f"lookups are sent to {parameters['GuidanceUrl']}"
+    stack = aws.describe(cloudformation, REHEARSAL.stack)
+    if stack is None or stack.status != "UPDATE_COMPLETE":
+        yield f"the stack is {stack and stack.status}"
+        return
+    made, guidance = stack.outputs, stack.parameters["GuidanceUrl"]
+    if guidance != f"{made['SiteUrl']}/calibrate/":
+        yield f"lookups are sent to {guidance}"
     secrets = boto3.client("ssm").get_parameters_by_path(
         Path=f"/calibdb/{REHEARSAL.stack}", WithDecryption=True
     )
@@ -142,7 +140,7 @@ def _problems() -> Iterator[str]:
 
 def _settings() -> dict[str, str]:
     made = aws.outputs(boto3.client("cloudformation"), REHEARSAL.stack)
-    return dict(aws.settings(boto3.client("s3"), made["WebBucketName"]) or {})
+    return dict(aws.settings(boto3.client("s3"), made["WebBucketName"]))
 
 
 if __name__ == "__main__":

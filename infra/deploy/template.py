@@ -21,7 +21,7 @@ import yaml
 def parse(path: Path) -> dict[str, Any]:
     """Parse a template, and expand its short forms."""
     document: dict[str, Any] = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)  # noqa: S506
-    resources = document["Resources"]
+    resources = document.setdefault("Resources", {})
     for name, statements in document.pop("Policies", {}).items():
         resources[name] = _policy(statements)
     for name, statements in document.pop("NamedPolicies", {}).items():

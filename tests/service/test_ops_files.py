@@ -11,15 +11,17 @@ from pyarrow import parquet
 
 from calibdb.camera_key import camera_key
 from calibdb.schema import DISTORTION_MODELS
+from calibsolver import formats
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration
+from tests.helpers.solver.export_sources import subject
 
 LABEL = "Anna's iPhone Camera"
 PLATFORM = "iPhone; CPU iPhone OS 17_1 like Mac OS X"
-LICENSED = {"licence": "CC0-1.0"}
+LICENSED = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
 
 
 @pytest.fixture(scope="module")
@@ -193,3 +195,35 @@ def test_bundle_reports_bytes_per_camera(known: Operator, tmp_path: Path) -> Non
         with pytest.raises(SystemExit):
             known("bundle", file, f"--most={most}")
     assert json.loads(file.read_text()) == data
+
+
+def test_what_was_given_without_counts_and_stays_out_of_dumps(operator: Operator, tmp_path: Path) -> None:
+    documents = [calibration(str(CAMERA["camera"]), n) for n in range(5)]
+    documents[:2] = [one.model_copy(update=LICENSED) for one in documents[:2]]
+    with Server(operator.folder) as stack:
+        published.publish(stack, *documents)
+        client = Client(stack)
+        assert client.lookup(redirect=False).json["calibrations"] == 5, "they count alike"
+        for seed, consent in ((7, LICENSED), (8, {})):
+            assert client.check(published.views(Truth(seed=seed)), **consent).json["counted"]
+    public = tmp_path / "dump"
+    assert "2 calibrations and 1 votes" in operator("dump", public)
+    calibrations, votes = list(lines(public / "calibrations.jsonl")), lines(public / "votes.jsonl")
+    assert {one["id"] for one in calibrations} == {one.id for one in documents[:2]}
+    for one in (*calibrations, *votes):
+        assert {name: one[name] for name in LICENSED} == LICENSED
+    everything = content(public)
+    assert not [one for one in documents[2:] if one.id.encode() in everything]
+    assert "5 calibrations and 2 votes" in operator("dump", tmp_path / "copy", "--private")
+    assert "NOT TO BE GIVEN AWAY" in (tmp_path / "copy" / "README.txt").read_text()
+
+
+def test_import_says_its_licence(operator: Operator, tmp_path: Path) -> None:
+    path = tmp_path / "corners.vnl"
+    path.write_bytes(formats.write(subject("rectilinear"), "corners-vnl").content)
+    arguments = ["import", path, "--squares", "9x6", "--img-size", "1280x720", "--model", "rectilinear"]
+    arguments += ["--platform", "Linux", "--camera", "Microsoft LifeCam HD-3000 (045e:0779)"]
+    operator(*arguments, "--licence", "MIT", status=1)
+    operator(*arguments, "--licence", "CC0-1.0")
+    with Server(operator.folder) as stack:
+        assert [document.licence for document in published.store(stack).calibrations.all()] == ["CC0-1.0"]

@@ -148,7 +148,7 @@ def test_a_change_in_one_module_renames_them_all(tmp_path: Path) -> None:
 def test_upload_sets_the_headers(site: dict[str, Upload]) -> None:
     s3 = boto3.client("s3")
     s3.create_bucket(Bucket="web")
-    assert aws.settings(s3, "web") is None
+    assert aws.settings(s3, "web") == {}
     few = [
         site["index.html"],
         site["config.json"],
@@ -246,11 +246,8 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     assert "--stack-name mine" in plan
     assert "AlarmEmail=a@example.org" in plan
     numbered = [line for line in plan.splitlines() if re.match(r"\d+\. ", line)]
-    assert len(numbered) == len(list(steps.steps(steps.Target("mine", "us-east-1")))) == 13
-    # With a domain the address is known beforehand.
-    own = steps.Target("mine", "us-east-1", {"DomainName": "x.example"}, "https://x.example")
-    kinds = [s.kind for s in steps.steps(own)]
-    assert (kinds.count("run"), kinds.count("package")) == (2, 1)
+    kinds = [step.kind for step in steps.steps(steps.Target("mine", "us-east-1"))]
+    assert len(numbered) == len(kinds) == 13
     assert kinds.index("package") > kinds.index("build")  # the layers, whose content names the release
 
 
@@ -259,7 +256,6 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     [
         ("MinShare=0.7", "the template has no parameter MinShare"),
         ("Thresholds=MIN_SHARES=0.7", "THRESHOLDS holds 'MIN_SHARES=0.7', which is not a threshold"),
-        ("Thresholds=MIN_SHARE=0", "MIN_SHARE is not a positive number"),
         ("Thresholds", "a parameter is written NAME=VALUE"),
         ("PlanFactors=pages=2", "there is no plan pages"),
     ],

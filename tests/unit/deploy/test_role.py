@@ -25,56 +25,34 @@ UNSCOPED = {
     "logs:DescribeDeliveries",
 }
 
-#: actions of CloudFormation's handlers for properties that the stack does not set, by service: tags of most
-#: types, the table's streams and copies, provisioned concurrency, the buckets' metadata tables and others
+#: Words of writing actions of CloudFormation's handlers, of properties that the stack does not set
 UNSET = {
-    "apigateway": "TagResource UntagResource",
-    "budgets": "TagResource UntagResource",
-    "cloudfront": """
-        CreateConnectionGroup CreateDistributionWithTags GetConnectionGroup GetVpcOrigin
-        UpdateDistributionWithStagingConfig
-    """,
-    "cloudwatch": "TagResource UntagResource",
-    "codedeploy": "ListDeployments ListTagsForResource RegisterOnPremisesInstance UntagResource",
+    **dict.fromkeys(("apigateway", "budgets", "cloudwatch", "events", "wafv2"), "TagResource UntagResource"),
+    "cloudfront": "ConnectionGroup WithTags StagingConfig",
+    "codedeploy": "OnPremises UntagResource",
     "dynamodb": """
-        AssociateTableReplica BatchWriteItem CreateTableReplica DeleteResourcePolicy DescribeImport
-        DisableKinesisStreamingDestination EnableKinesisStreamingDestination ImportTable
-        PutResourcePolicy Scan UntagResource UpdateContributorInsights UpdateItem
-        UpdateKinesisStreamingDestination
+        Replica Kinesis Import ResourcePolicy ContributorInsights BatchWrite UpdateItem UntagResource
     """,
-    "events": "TagResource UntagResource",
-    "iam": """
-        AttachGroupPolicy AttachUserPolicy CreateServiceLinkedRole DeleteRolePermissionsBoundary
-        DetachGroupPolicy DetachUserPolicy
-    """,
-    "lambda": """
-        AssociateRuntimeAlias DeleteFunctionCodeSigningConfig DeleteProvisionedConcurrencyConfig
-        GetCodeSigningConfig GetFunctionScalingConfig PassCapacityProvider
-        PutFunctionCodeSigningConfig PutFunctionRecursionConfig PutFunctionScalingConfig
-        PutProvisionedConcurrencyConfig PutRuntimeManagementConfig
-    """,
+    "iam": "GroupPolicy UserPolicy ServiceLinked DeleteRolePermissionsBoundary",
+    "lambda": "CodeSigning Provisioned RuntimeAlias RuntimeManagement Scaling Capacity Recursion",
     "logs": """
-        AllowVendedLogDeliveryForResource AssociateKmsKey CreateLogStream DeleteDataProtectionPolicy
-        DeleteDeliveryDestinationPolicy DeleteIndexPolicy DeleteResourcePolicy DeleteRetentionPolicy
-        DescribeIndexPolicies DescribeLogStreams DisassociateKmsKey PutBearerTokenAuthentication
-        PutDataProtectionPolicy PutDeliveryDestinationPolicy PutIndexPolicy PutLogEvents
-        PutLogGroupDeletionProtection UpdateDeliveryConfiguration
+        Vended Kms LogStream LogEvents DataProtection DestinationPolicy IndexPolicy DeleteResourcePolicy
+        DeleteRetentionPolicy BearerToken DeletionProtection DeliveryConfiguration
     """,
     "s3": """
-        CreateBucketMetadataTableConfiguration DeleteBucketAnalyticsConfiguration DeleteBucketCors
-        DeleteBucketEncryption DeleteBucketLifecycle DeleteBucketMetadataTableConfiguration
-        DeleteBucketMetricsConfiguration DeleteBucketReplication DeleteBucketWebsite GetBucketAbac
-        GetObjectMetadata GetObjectVersion ListTagsForResource PutAccelerateConfiguration
-        PutAnalyticsConfiguration PutBucketAbac PutBucketAcl PutBucketCORS PutBucketLogging
-        PutBucketNotification PutBucketObjectLockConfiguration PutBucketOwnershipControls
-        PutBucketReplication PutBucketWebsite PutIntelligentTieringConfiguration
-        PutInventoryConfiguration PutMetricsConfiguration PutObjectAcl PutObjectLockConfiguration
-        REST.PUT.OBJECT TagResource UntagResource UpdateBucketMetadataAnnotationTableConfiguration
-        UpdateBucketMetadataInventoryTableConfiguration
-        UpdateBucketMetadataJournalTableConfiguration getObject
+        Metadata Analytics Cors CORS DeleteBucketEncryption DeleteBucketLifecycle DeleteBucketReplication
+        PutBucketReplication Metrics Website Accelerate Abac Acl Logging Notification ObjectLock Ownership
+        Intelligent Inventory REST TagResource UntagResource
     """,
-    "sns": "PutDataProtectionPolicy SetSubscriptionAttributes",
-    "wafv2": "UntagResource",
+    "sns": "DataProtection SetSubscription",
+}
+#: reading ones
+UNREAD = {
+    *("cloudfront:GetConnectionGroup", "cloudfront:GetVpcOrigin", "codedeploy:ListDeployments"),
+    *("codedeploy:ListTagsForResource", "dynamodb:DescribeImport", "dynamodb:Scan"),
+    *("lambda:GetCodeSigningConfig", "lambda:GetFunctionScalingConfig", "logs:DescribeIndexPolicies"),
+    *("logs:DescribeLogStreams", "s3:GetBucketAbac", "s3:GetObjectMetadata", "s3:GetObjectVersion"),
+    *("s3:ListTagsForResource", "s3:getObject"),
 }
 #: services that the stack does not use
 UNUSED = {
@@ -159,9 +137,14 @@ def test_every_handler_of_the_stack_s_resources_is_allowed() -> None:
     for kind in {resource["Type"] for resource in created().values()}:
         required |= handler_actions(kind)
     assert len(required) > 300
-    unset = {f"{service}:{name}" for service, names in UNSET.items() for name in names.split()}
-    left_out = required - allowed - unset
-    assert sorted(action for action in left_out if action.partition(":")[0] not in UNUSED) == []
+    assert sorted(action for action in required - allowed - UNREAD if is_of_the_stack(action)) == []
+
+
+def is_of_the_stack(action: str) -> bool:
+    service, _, name = action.partition(":")
+    is_read = name.startswith(("Get", "List", "Describe"))
+    is_unset = not is_read and any(word in name for word in UNSET.get(service, "").split())
+    return service not in UNUSED and not is_unset
 
 
 def handler_actions(kind: str) -> set[str]:
