@@ -38,6 +38,7 @@ _ALARM = {
     "TreatMissingData": "notBreaching",
     "AlarmActions": [{"Ref": "AlarmTopic"}],
 }
+_RUNBOOK = ROOT / "docs" / "operations.md"
 # Sections of fragments with named configurations: type of their resources, and the property that has one
 _NAMED = {
     "CachePolicies": ("AWS::CloudFront::CachePolicy", "CachePolicyConfig"),
@@ -75,7 +76,10 @@ def complete_template() -> Template:
 
 def _resources(fragment: Template) -> Template:
     resources: Template = fragment["Resources"]
-    for name, alarm in fragment.get("Alarms", {}).items():
+    alarms = fragment.get("Alarms", {})
+    meanings = _meanings() if alarms else {}
+    for name, alarm in alarms.items():
+        alarm["AlarmDescription"] = meanings[name]
         condition = {"Condition": alarm.pop("Condition")} if "Condition" in alarm else {}
         resources[name] = {"Type": "AWS::CloudWatch::Alarm", **condition, "Properties": _ALARM | alarm}
     for section, (kind, place) in _NAMED.items():
@@ -84,6 +88,13 @@ def _resources(fragment: Template) -> Template:
             configuration["Name"] = {"Fn::Sub": f"${{AWS::StackName}}-${{AWS::Region}}-{own}"}
             resources[name] = {"Type": kind, "Properties": {place: configuration}}
     return resources
+
+
+def _meanings() -> dict[str, str]:
+    """Read the meaning of each alarm in the table of the runbook."""
+    text = _RUNBOOK.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+Alarm)` \| (.+?) \|", text, re.MULTILINE)
+    return {name: re.sub("[`*]", "", meaning) for name, meaning in rows}
 
 
 def package_template(complete: Template, release: str = UNRELEASED, *, traced: bool = False) -> Template:
