@@ -213,7 +213,7 @@ lock: $(UV) ## write the lock files anew
 	node infra/ci/lock.mjs
 
 layers: $(UV) .venv/.made node_modules/.made ## build both layers for arm64 in .build/layers
-	@UV=$(abspath $(UV)) $(PY) -m infra.deploy.layers --build
+	@UV=$(abspath $(UV)) $(PY) -m infra.deploy.layers
 
 MINISTACK := .build/ministack/bin/hypercorn
 

@@ -1,16 +1,12 @@
-"""Check of the built layers against Lambda's limits and size budgets.
-
-`python -m infra.deploy.layers` checks `.build/layers`; `--build` makes them first.
-"""
+"""Build of both layers in `.build/layers`, and their check against Lambda's limits and size budgets."""
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -86,16 +82,13 @@ def _build() -> None:
         subprocess.run(command, env=environment, check=True)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Build if asked to, and print the sizes; return 1 if something is wrong."""
-    parser = argparse.ArgumentParser(prog="python -m infra.deploy.layers")
-    parser.add_argument("--build", action="store_true", help="build both layers first")
-    if parser.parse_args(arguments).build:
-        try:
-            _build()
-        except subprocess.CalledProcessError as error:
-            print(f"calibDB: {error}", file=sys.stderr)
-            return 1
+def main() -> int:
+    """Build, and print the sizes; return 1 if something is wrong."""
+    try:
+        _build()
+    except subprocess.CalledProcessError as error:
+        print(f"calibDB: {error}", file=sys.stderr)
+        return 1
     layers = {name: BuiltLayer.of(BUILT / name) for name in ("service", "solver")}
     functions = BuiltLayer.of(ROOT / "functions").megabytes
     for name, layer in layers.items():

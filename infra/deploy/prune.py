@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from datetime import datetime, timedelta
 from typing import Any
 
+from calibdb.store.aws import S3Objects
 from infra.deploy import aws
 
 MAX_VERSIONS = 5  # of a function, besides those that an alias names: to roll back to
 MAX_ARTIFACT_AGE_DAYS = 90  # of what the deployed template does not name
 _MANAGED = "aws-sam-cli-managed-default"  # stack in which the SAM CLI keeps its bucket
-_MAX_OBJECTS_PER_DELETE = 1000
 
 
 def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, int]:
@@ -49,7 +49,5 @@ def _prune_artifacts(cloudformation: Any, s3: Any, stack: str, bucket: str, now:
         for item in page.get("Contents", ())
         if item["LastModified"] < oldest and item["Key"] not in template
     ]
-    for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
-        batch = [{"Key": name} for name in names[start : start + _MAX_OBJECTS_PER_DELETE]]
-        s3.delete_objects(Bucket=bucket, Delete={"Objects": batch, "Quiet": True})
+    S3Objects(lambda: s3, bucket).delete(names)
     return len(names)

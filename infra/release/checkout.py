@@ -51,12 +51,8 @@ def check_tag(tag: str, root: Path = ROOT) -> None:
     """Raise CheckoutError if the tag is not of this version or not on this commit."""
     if tag != f"v{version(root)}":
         raise CheckoutError(f"the tag {tag} is not v{version(root)}, the version in {VERSION_FILE}")
-    if _commit(root, tag) != _commit(root, "HEAD"):
-        raise CheckoutError(f"{tag} is another commit than the one that is checked out")
-
-
-def _commit(root: Path, name: str) -> str:
-    return git(root, "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}").strip()
+    if tag not in git(root, "tag", "--points-at", "HEAD").split():
+        raise CheckoutError(f"{tag} is not a tag of the commit that is checked out")
 
 
 def _parts(text: str) -> tuple[int, ...]:
@@ -72,5 +68,5 @@ def git(root: Path, *arguments: str) -> str:
         check=False,
     )
     if done.returncode:
-        raise CheckoutError(f"git {' '.join(arguments)} failed: {done.stderr.strip() or 'no such commit'}")
+        raise CheckoutError(f"git {' '.join(arguments)} failed: {done.stderr.strip()}")
     return done.stdout

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from infra.ci import audit
-from infra.ci.audit import Audit, pins, report
+from infra.ci.audit import Audit, of_npm, of_pip, pins, report
 
 ROOT = Path(__file__).parents[3]
 # As pip-audit 2.10 and npm 10 write it.
@@ -27,14 +27,14 @@ REFUSED = {"message": "405 Method Not Allowed", "error": {"summary": "", "detail
 
 
 def test_findings_of_the_tools_are_reported() -> None:
-    assert Audit.of_pip(PIP) == Audit(2, ("old 0.1: PYSEC-2024-1",))
-    assert Audit.of_npm(NPM) == Audit(90, ("bad: critical",))
-    assert report("npm", Audit.of_npm(NPM)).splitlines()[1:] == ["bad: critical"]
+    assert of_pip(PIP) == Audit(2, ("old 0.1: PYSEC-2024-1",))
+    assert of_npm(NPM) == Audit(90, ("bad: critical",))
+    assert report("npm", of_npm(NPM)).splitlines()[1:] == ["bad: critical"]
 
 
 def test_unanswered_audit_is_reported_as_not_audited() -> None:
-    nobody = Audit.of_pip({"dependencies": PIP["dependencies"][2:]})
-    assert nobody == Audit.of_npm(REFUSED) == Audit(0)
+    nobody = of_pip({"dependencies": PIP["dependencies"][2:]})
+    assert nobody == of_npm(REFUSED) == Audit(0)
     assert "not audited" in report("npm", nobody)
 
 

@@ -86,11 +86,8 @@ def test_tag_must_be_of_the_version_and_of_the_commit(repository: Path) -> None:
     checkout.set_version("0.2.0", repository)
     commit = ("-c", "user.name=a", "-c", "user.email=a@example.org", "commit", "--quiet", "-am", "Go on")
     subprocess.run(["git", "-C", repository, *commit], check=True)
-    with pytest.raises(CheckoutError, match="another commit"):
+    with pytest.raises(CheckoutError, match=r"v0\.2\.0 is not a tag of the commit"):
         checkout.check_tag("v0.2.0", repository)
-    checkout.set_version("0.3.0", repository)
-    with pytest.raises(CheckoutError, match="git rev-parse"):
-        checkout.check_tag("v0.3.0", repository)
 
 
 @pytest.mark.parametrize("fresh", ["0.1.0", "0.0.9", "1.0", "v1.0.0"])
