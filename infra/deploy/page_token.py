@@ -4,11 +4,11 @@ import secrets
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from calibdb.access.tokens import parse
 from calibdb.store import Tokens
 from calibdb.store.storage import storage_named
+from infra.deploy.aws import Account
 from infra.ops.tokens import issue
 
 
@@ -20,12 +20,12 @@ def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, s
     return admit(_tokens(made, region), settings.get("token", ""), _origins(made))
 
 
-def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
+def give_canary(made: Mapping[str, str], account: Account) -> None:
     """Give the canary a token, in a secure parameter that only it reads. `made`: outputs of the stack."""
-    name = f"/calibdb/{stack}/CANARY_TOKEN"
+    name, ssm = f"/calibdb/{account.stack}/CANARY_TOKEN", account.client("ssm")
     parameters = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
     current = parameters[0]["Value"] if parameters else ""
-    token = admit(_tokens(made, region), current, _origins(made), "free")
+    token = admit(_tokens(made, account.region), current, _origins(made), "free")
     if token != current:
         ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
 

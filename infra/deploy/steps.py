@@ -1,11 +1,13 @@
 """Steps of a deployment, in order; nothing is run here."""
 
+import functools
 import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from infra.deploy.aws import Account
 from infra.deploy.package import ROOT, TEMPLATE
 
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
@@ -30,6 +32,11 @@ class Target:
     parameters: Mapping[str, str] = field(default_factory=dict)
     site: str | None = None
     exists: bool = False
+
+    @functools.cached_property
+    def account(self) -> Account:
+        """The account, as the operator's credentials name it."""
+        return Account(self.stack, self.region)
 
     @property
     def effective(self) -> dict[str, str]:

@@ -7,9 +7,7 @@ import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-import boto3
 import pytest
 
 from calibdb.access.tokens import SessionIds, Ticket
@@ -30,12 +28,12 @@ def site() -> dict[str, Upload]:
 
 
 @pytest.fixture
-def cloud(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def cloud(monkeypatch: pytest.MonkeyPatch) -> Iterator[aws.Account]:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "test")
     monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
     with account():
-        yield
+        yield aws.Account("one", "us-east-1")
 
 
 def test_files_named_by_another_are_uploaded_and_of_one_release(site: dict[str, Upload]) -> None:
@@ -144,9 +142,8 @@ def test_a_change_in_one_module_renames_them_all(tmp_path: Path) -> None:
     assert list(files).index(f"lib/x-{digest}.js") < list(files).index("index.html")
 
 
-@pytest.mark.usefixtures("cloud")
-def test_upload_sets_the_headers(site: dict[str, Upload]) -> None:
-    s3 = boto3.client("s3")
+def test_upload_sets_the_headers(site: dict[str, Upload], cloud: aws.Account) -> None:
+    s3 = cloud.client("s3")
     s3.create_bucket(Bucket="web")
     assert aws.settings(s3, "web") == {}
     few = [
@@ -169,16 +166,14 @@ def test_upload_sets_the_headers(site: dict[str, Upload]) -> None:
     assert kept == b"of a dump", "a later upload leaves the figures"
 
 
-@pytest.mark.usefixtures("cloud")
-def test_secrets_are_made_once() -> None:
-    ssm = boto3.client("ssm")
-    assert aws.make_secrets(ssm, "one") == list(aws.SECRETS)
-    before = values(ssm)
-    assert aws.make_secrets(ssm, "one") == []
-    assert values(ssm) == before
+def test_secrets_are_made_once(cloud: aws.Account) -> None:
+    assert cloud.make_secrets() == list(aws.SECRETS)
+    before = values(cloud)
+    assert cloud.make_secrets() == []
+    assert values(cloud) == before
     assert before["EDGE_SECRETS"].split(",")[0] == before["EDGE_SECRET"]
     assert all(len(key) == 64 for value in before.values() for key in value.split(","))
-    made = {p["Name"].rpartition("/")[2]: (p["Type"], p["Value"].count(",") + 1) for p in parameters(ssm)}
+    made = {p["Name"].rpartition("/")[2]: (p["Type"], p["Value"].count(",") + 1) for p in parameters(cloud)}
     assert made == {
         "SESSION_SECRETS": ("SecureString", 2),
         "CONTRIBUTOR_SECRET": ("SecureString", 1),
@@ -187,57 +182,50 @@ def test_secrets_are_made_once() -> None:
     }
 
 
-@pytest.mark.usefixtures("cloud")
-def test_secret_that_cloudfront_sends_is_kept_if_the_list_is_lost() -> None:
-    ssm = boto3.client("ssm")
-    ssm.put_parameter(Name="/calibdb/one/EDGE_SECRET", Value="e" * 64, Type="String")
-    aws.make_secrets(ssm, "one")
-    assert values(ssm)["EDGE_SECRET"] == values(ssm)["EDGE_SECRETS"].split(",")[0] == "e" * 64
+def test_secret_that_cloudfront_sends_is_kept_if_the_list_is_lost(cloud: aws.Account) -> None:
+    cloud.client("ssm").put_parameter(Name="/calibdb/one/EDGE_SECRET", Value="e" * 64, Type="String")
+    cloud.make_secrets()
+    assert values(cloud)["EDGE_SECRET"] == values(cloud)["EDGE_SECRETS"].split(",")[0] == "e" * 64
 
 
-@pytest.mark.usefixtures("cloud")
-def test_a_rotation_of_the_edge_loses_no_address() -> None:
+def test_a_rotation_of_the_edge_loses_no_address(cloud: aws.Account) -> None:
     """Functions, the early and the late, take all that the edge sends until it learns of the rotation."""
-    ssm = boto3.client("ssm")
-    aws.make_secrets(ssm, "one")
-    sent, taken = [values(ssm)["EDGE_SECRET"]], [values(ssm)["EDGE_SECRETS"].split(",")]
+    cloud.make_secrets()
+    sent, taken = [values(cloud)["EDGE_SECRET"]], [values(cloud)["EDGE_SECRETS"].split(",")]
     for version in (2, 3, 4):
-        assert aws.rotate_edge(ssm, "one") == aws.edge_secret_version(ssm, "one") == version
-        sent.append(values(ssm)["EDGE_SECRET"])
-        taken.append(values(ssm)["EDGE_SECRETS"].split(","))
+        assert cloud.rotate_edge() == cloud.edge_secret_version() == version
+        sent.append(values(cloud)["EDGE_SECRET"])
+        taken.append(values(cloud)["EDGE_SECRETS"].split(","))
         for secret in sent[-2:]:
             assert all(secret in known for known in taken[-2:])
     assert len(set(sent)) == 4
     assert sent[0] not in taken[-1]
 
 
-@pytest.mark.usefixtures("cloud")
-def test_a_rotation_refuses_nobody_while_functions_learn_of_it() -> None:
-    ssm = boto3.client("ssm")
-    aws.make_secrets(ssm, "one")
-    ids = [session_ids(ssm)]
+def test_a_rotation_refuses_nobody_while_functions_learn_of_it(cloud: aws.Account) -> None:
+    cloud.make_secrets()
+    ids = [session_ids(cloud)]
     for _ in range(3):
-        aws.rotate(ssm, "one")
-        ids.append(session_ids(ssm))
+        cloud.rotate()
+        ids.append(session_ids(cloud))
         late, early = ids[-2:]
         for signer, verifier in ((late, early), (early, late)):
             session_id, _ = signer.issue(Ticket("6553f1000123456789abcdef", "dev", None))
             assert verifier.verify(session_id, None).token == "dev"
 
 
-def parameters(ssm: Any) -> list[dict[str, str]]:
-    found: list[dict[str, str]] = ssm.get_parameters_by_path(Path="/calibdb/one", WithDecryption=True)[
-        "Parameters"
-    ]
+def parameters(cloud: aws.Account) -> list[dict[str, str]]:
+    stored = cloud.client("ssm").get_parameters_by_path(Path="/calibdb/one", WithDecryption=True)
+    found: list[dict[str, str]] = stored["Parameters"]
     return found
 
 
-def values(ssm: Any) -> dict[str, str]:
-    return {p["Name"].rpartition("/")[2]: p["Value"] for p in parameters(ssm)}
+def values(cloud: aws.Account) -> dict[str, str]:
+    return {p["Name"].rpartition("/")[2]: p["Value"] for p in parameters(cloud)}
 
 
-def session_ids(ssm: Any) -> SessionIds:
-    return SessionIds(tuple(values(ssm)["SESSION_SECRETS"].split(",")), lambda: 1.7e9)
+def session_ids(cloud: aws.Account) -> SessionIds:
+    return SessionIds(tuple(values(cloud)["SESSION_SECRETS"].split(",")), lambda: 1.7e9)
 
 
 def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,5 @@
 """The account is asked, before anything is made, why a deployment would fail; each answer says what to do."""
 
-from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -13,6 +12,7 @@ from botocore.exceptions import ClientError
 from botocore.validate import ParamValidator
 
 from infra.deploy import account_check
+from infra.deploy.aws import Account
 from infra.deploy.steps import Target, steps
 
 DOMAIN = {
@@ -56,7 +56,9 @@ def found(
     cloud.create_distribution.side_effect = distribution
     cloud.describe_certificate.side_effect = [described]
     cloud.get_hosted_zone.return_value = {"HostedZone": {"Name": zone}}
-    return list(account_check.problems(target, defaultdict(lambda: cloud)))
+    services = ("cloudformation", "lambda", "cloudfront", "acm", "route53")
+    account = Account("mine", "us-east-1", dict.fromkeys(services, cloud))
+    return list(account_check.problems(target, account))
 
 
 def with_parameters(**parameters: str) -> Target:

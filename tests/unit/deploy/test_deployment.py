@@ -68,6 +68,10 @@ def test_stack_without_resources_is_not_there(cloud: Cloudformation) -> None:
     assert not deployment.find_out(Target("mine", "us-east-1")).exists
 
 
+def with_clients(cloudformation: Mock, lambda_: Mock | None = None) -> aws.Account:
+    return aws.Account("mine", "us-east-1", {"cloudformation": cloudformation, "lambda": lambda_})
+
+
 def resource(kind: str, name: str) -> dict[str, str]:
     return {"ResourceType": f"AWS::Lambda::{kind}", "PhysicalResourceId": name, "LogicalResourceId": name}
 
@@ -84,15 +88,15 @@ def test_release_is_read_at_the_alias_that_the_api_calls() -> None:
     def configuration(FunctionName: str, Qualifier: str = "newest") -> Any:  # noqa: N803
         return {"Environment": {"Variables": {"RELEASE": f"{Qualifier} {FunctionName}"}}}
 
-    lambda_ = Mock(get_function_configuration=configuration)
-    assert aws.releases(cloudformation, lambda_, "mine") == {"lookup": "live lookup", "refit": "newest refit"}
+    account = with_clients(cloudformation, Mock(get_function_configuration=configuration))
+    assert account.releases() == {"lookup": "live lookup", "refit": "newest refit"}
 
 
 def test_step_back_points_aliases_at_the_version_before() -> None:
     cloudformation = paged({"StackResourceSummaries": [alias("lookup")]})
     versions = [{"Version": version} for version in ("$LATEST", "3", "7", "9", "10")]
     lambda_ = paged({"Versions": versions}, get_alias={"FunctionVersion": "9"})
-    assert aws.step_back(cloudformation, lambda_, "mine") == {"lookup": ("9", "7")}
+    assert with_clients(cloudformation, lambda_).step_back() == {"lookup": ("9", "7")}
     lambda_.get_alias.assert_called_once_with(FunctionName="lookup", Name="live")
     lambda_.get_paginator().paginate.assert_called_once_with(FunctionName="lookup")
     lambda_.update_alias.assert_called_once_with(
@@ -102,7 +106,7 @@ def test_step_back_points_aliases_at_the_version_before() -> None:
         RoutingConfig={"AdditionalVersionWeights": {}},
     )
     first = paged({"Versions": versions[:2]}, get_alias={"FunctionVersion": "3"})
-    assert aws.step_back(cloudformation, first, "mine") == {}
+    assert with_clients(cloudformation, first).step_back() == {}
     first.update_alias.assert_not_called()
 
 
@@ -117,7 +121,7 @@ def test_failed_resources_of_the_newest_stack_are_read() -> None:
         {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"},
     ]
     cloudformation = paged({"StackSummaries": summaries}, describe_stack_events={"StackEvents": events})
-    assert aws.failures(cloudformation, "mine") == ["B: why"]
+    assert with_clients(cloudformation).failures() == ["B: why"]
     cloudformation.describe_stack_events.assert_called_once_with(StackName="new")
 
 
@@ -125,7 +129,7 @@ def test_one_parameter_is_changed_and_the_others_are_kept() -> None:
     cloudformation = Cloudformation()
     cloudformation.status = "UPDATE_COMPLETE"
     cloudformation.parameters = {"AlarmEmail": "a@example.org", "EdgeSecretVersion": "1"}
-    aws.set_parameter(cloudformation, "mine", "EdgeSecretVersion", "2")
+    with_clients(cloudformation).set_parameter("EdgeSecretVersion", "2")
     change = cloudformation.update_stack.call_args.kwargs
     assert change["UsePreviousTemplate"] is True
     assert change["Parameters"] == [
@@ -137,10 +141,11 @@ def test_one_parameter_is_changed_and_the_others_are_kept() -> None:
 def test_stack_and_table_are_protected_once_they_are_there() -> None:
     cloudformation = Cloudformation()
     cloudformation.status, cloudformation.outputs = "CREATE_COMPLETE", {"TableName": "table"}
-    dynamodb = Mock()
+    account, dynamodb = with_clients(cloudformation), Mock()
+    account.clients["dynamodb"] = dynamodb
     for protected in (False, True):
         dynamodb.describe_table.return_value = {"Table": {"DeletionProtectionEnabled": protected}}
-        aws.protect(cloudformation, dynamodb, "mine")
+        account.protect()
     cloudformation.update_termination_protection.assert_called_with(
         StackName="mine", EnableTerminationProtection=True
     )
@@ -154,7 +159,7 @@ OTHER_STEPS = ("account", "build", "package", "secrets", "upload", "invalidate",
 def written(cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """The parameter file of deployments of a stack; their commands do nothing."""
     cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"SiteUrl": "https://d1.cloudfront.net"}
-    monkeypatch.setattr(aws, "edge_secret_version", lambda *_: 7)
+    monkeypatch.setattr(aws.Account, "edge_secret_version", lambda *_: 7)
     monkeypatch.setattr(deployment, "PARAMETERS", tmp_path / "parameters.yaml")
     monkeypatch.setattr(deployment, "_run", lambda *_: None)
     monkeypatch.setattr(deployment, "find_out", lambda target: target)

@@ -3,6 +3,7 @@
 from datetime import UTC, datetime, timedelta
 from unittest.mock import call
 
+from infra.deploy.aws import Account
 from infra.deploy.prune import MAX_ARTIFACT_AGE_DAYS, MAX_VERSIONS, prune
 from tests.unit.deploy.paged import paged
 
@@ -27,7 +28,8 @@ def test_named_and_newest_versions_and_used_artifacts_stay() -> None:
     )
     times = {"calibdb/used": OLD, "calibdb/old": OLD, "calibdb/young": NOW}
     s3 = paged({"Contents": [{"Key": key, "LastModified": time} for key, time in times.items()]}, {})
-    done = prune({"cloudformation": cloudformation, "lambda": lambda_, "s3": s3}, "calibdb", NOW)
+    clients = {"cloudformation": cloudformation, "lambda": lambda_, "s3": s3}
+    done = prune(Account("calibdb", "us-east-1", clients), NOW)
     s3.get_paginator().paginate.assert_called_once_with(Bucket="artifacts", Prefix="calibdb/")
     lambda_.list_aliases.assert_called_once_with(FunctionName="Lookup")
     assert MAX_VERSIONS == 5
