@@ -51,14 +51,11 @@ _CAUSES = (
 def problems(target: Target, account: Account) -> Iterator[str]:
     """Find what would make the deployment fail."""
     stack = account.describe()
-    parameters = dict(stack.parameters) if stack else {}
     declared = parse(ROOT / "template.yaml")["Parameters"]
-    values = (
-        {n: str(p.get("Default", "")) for n, p in declared.items()} | parameters | dict(target.parameters)
-    )
-    if stack is not None:
-        yield from _status(target.stack, stack.status)
-    yield from _concurrency(account.client("lambda"), values, parameters)
+    defaults = {name: str(parameter.get("Default", "")) for name, parameter in declared.items()}
+    values = {**defaults, **stack.parameters, **target.parameters}
+    yield from _status(target.stack, stack.status)
+    yield from _concurrency(account.client("lambda"), values, stack.parameters)
     if not target.exists:
         yield from _verification(account.client("cloudfront"))
     if values["DomainName"]:

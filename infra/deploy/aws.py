@@ -17,7 +17,7 @@ SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
 _INLINE = ("Probe", "CutoffFunction")  # their code stands in the template: they belong to no release
 FUNCTION, ALIAS = "AWS::Lambda::Function", "AWS::Lambda::Alias"
-UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
+UNCREATED = ("", "REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
 
 
 class DeployError(RuntimeError):
@@ -53,13 +53,13 @@ class Account:
     def _cloudformation(self) -> Any:
         return self.client("cloudformation")
 
-    def describe(self) -> Stack | None:
-        """Read the stack, None if there is none."""
+    def describe(self) -> Stack:
+        """Read the stack; without status, parameters and outputs if there is none."""
         try:
             (description,) = self._cloudformation.describe_stacks(StackName=self.stack)["Stacks"]
         except ClientError as error:
             if error.response["Error"]["Code"] == "ValidationError":
-                return None
+                return Stack("", {}, {})
             raise
         return Stack(
             description["StackStatus"],
@@ -111,8 +111,6 @@ class Account:
 
     def set_parameter(self, name: str, value: str) -> None:
         """Change one parameter of the stack and wait until that is done."""
-        described = self.describe()
-        parameters = described.parameters if described else {}
         self._cloudformation.update_stack(
             StackName=self.stack,
             UsePreviousTemplate=True,
@@ -121,7 +119,7 @@ class Account:
                 {"ParameterKey": key, "ParameterValue": value}
                 if key == name
                 else {"ParameterKey": key, "UsePreviousValue": True}
-                for key in parameters
+                for key in self.describe().parameters
             ],
         )
         self._cloudformation.get_waiter("stack_update_complete").wait(StackName=self.stack)
@@ -141,8 +139,7 @@ class Account:
 
     def outputs(self) -> Mapping[str, str]:
         """Read the stack's outputs by name."""
-        description = self.describe()
-        return description.outputs if description else {}
+        return self.describe().outputs
 
     def physical_id(self, name: str) -> str:
         """Read the name that AWS gave a resource of the stack."""

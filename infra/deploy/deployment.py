@@ -40,7 +40,7 @@ def deploy(target: Target, template: Template | None = None, leave_out: Collecti
 def find_out(target: Target) -> Target:
     """Complete a target by its account: whether the stack exists, and where its site is."""
     stack = target.account.describe()
-    if stack is None or stack.status in aws.UNCREATED:
+    if stack.status in aws.UNCREATED:
         return target
     domain = target.parameters.get("DomainName", stack.parameters.get("DomainName", ""))
     host = domain or stack.outputs.get("DistributionDomain")
@@ -66,16 +66,17 @@ def _do(step: Step, target: Target, source: Template) -> None:
         case "secrets":
             account.make_secrets()
         case "upload":
-            if (described := account.describe()) is None:
+            stack = account.describe()
+            if not stack.status:
                 raise DeployError(f"there is no stack {target.stack}")
-            made, stack_parameters = described.outputs, described.parameters
+            made = stack.outputs
             s3, bucket = account.client("s3"), made["WebBucketName"]
             token = page_token.current_token(made, target.region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
                 page_token.give_canary(made, account)
-            settings = public_settings(token, stack_parameters)
-            contact = made.get("SecurityContact") or stack_parameters.get("OperatorContact")
-            options = Options(made["SiteUrl"], contacts(stack_parameters))
+            settings = public_settings(token, stack.parameters)
+            contact = made.get("SecurityContact") or stack.parameters.get("OperatorContact")
+            options = Options(made["SiteUrl"], contacts(stack.parameters))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
@@ -95,17 +96,16 @@ def _do(step: Step, target: Target, source: Template) -> None:
 def release(target: Target, source: Template) -> str:
     """Digest of what is deployed; raises KeyError if the address of the site is needed and not known."""
     stack = target.account.describe()
-    values = {**(stack.parameters if stack else {}), **target.effective}
-    if stack and target.site is None and (url := stack.outputs.get("SiteUrl")):
+    values = {**stack.parameters, **target.effective}
+    if target.site is None and (url := stack.outputs.get("SiteUrl")):
         values["GuidanceUrl"] = f"{url}/calibrate/"
     return release_digest(source, values)
 
 
 def _package(target: Target, source: Template) -> str:
     named = release(target, source)
-    stack = target.account.describe()
-    tracing = {**(stack.parameters if stack else {}), **target.parameters}.get("Tracing")
-    write_template(package_template(source, named, traced=tracing == "Active"), TEMPLATE)
+    values = {**target.account.describe().parameters, **target.parameters}
+    write_template(package_template(source, named, traced=values.get("Tracing") == "Active"), TEMPLATE)
     return named
 
 
@@ -139,10 +139,7 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
 
 
 def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    if not parameters:
-        return []
-    stack = target.account.describe()
-    values = stack.parameters if stack else {}
+    values = target.account.describe().parameters if parameters else {}
     return [name for name, value in parameters.items() if values.get(name) != value]
 
 

@@ -117,9 +117,8 @@ def _problems() -> Iterator[str]:
     """Find the differences between the template and the deployed resources."""
     account = REHEARSAL.account
     stack = account.describe()
-    if stack is None or stack.status != "UPDATE_COMPLETE":
-        yield f"the stack is {stack and stack.status}"
-        return
+    if stack.status != "UPDATE_COMPLETE":
+        yield f"the stack is {stack.status}"
     made, guidance = stack.outputs, stack.parameters["GuidanceUrl"]
     if guidance != f"{made['SiteUrl']}/calibrate/":
         yield f"lookups are sent to {guidance}"
