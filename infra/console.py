@@ -111,17 +111,18 @@ def announce(
     """Yield the steps, each after a line with its number, its text, and the time left.
 
     Steps print text themselves (compilers, the SAM CLI), which would tear a bar apart. The time left is that
-    of the previous run of the same steps, kept in `.build/durations.json` under the name `work`.
+    of the previous run of the same steps of `work`, kept in `.build/durations.json`.
     """
-    previous = _read_durations(path).get(work, {})
+    previous = _read_durations(path)
     texts = [text(step) for step in steps]
     for number, step in enumerate(steps):
-        expected = [previous.get(each) for each in texts[number:]]
+        expected = [previous.get(f"{work}: {each}") for each in texts[number:]]
         say(f"{number + 1}/{len(texts)} {texts[number]}{_describe_time_left(expected)}")
         begun = clock()
         yield step
-        previous[texts[number]] = round(clock() - begun, 1)
-        _write_durations(path, work, {each: previous[each] for each in texts if each in previous})
+        took = {f"{work}: {texts[number]}": round(clock() - begun, 1)}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({**_read_durations(path), **took}, indent=1), encoding="utf-8")
 
 
 def format_duration(seconds: float) -> str:
@@ -141,18 +142,9 @@ def _describe_time_left(expected: Sequence[float | None]) -> str:
     )
 
 
-def _read_durations(path: Path) -> dict[str, dict[str, float]]:
+def _read_durations(path: Path) -> dict[str, float]:
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        record = dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
         return {}
-    return {
-        work: {text: seconds for text, seconds in steps.items() if isinstance(seconds, int | float)}
-        for work, steps in (record.items() if isinstance(record, dict) else ())
-        if isinstance(steps, dict)
-    }
-
-
-def _write_durations(path: Path, work: str, durations: dict[str, float]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({**_read_durations(path), work: durations}, indent=1), encoding="utf-8")
+    return {name: seconds for name, seconds in record.items() if isinstance(seconds, int | float)}

@@ -102,15 +102,15 @@ def test_failed_step_is_not_remembered_and_others_are(tmp_path: Path) -> None:
         clock.now += 5
         if step == "b":
             break
-    assert json.loads(path.read_text()) == {"work": {"a": 5.0}}
+    assert json.loads(path.read_text()) == {"work: a": 5.0}
 
 
 def test_damaged_file_of_durations_is_replaced(tmp_path: Path) -> None:
     path = tmp_path / "d.json"
-    for content in ("{", '{"work": {"a": "b"}}'):
+    for content in ("{", "[]", '{"work: a": "b"}'):
         path.write_text(content)
         assert run(path, ["a"], [2]) == ["1/1 a"], content
-        assert json.loads(path.read_text()) == {"work": {"a": 2.0}}
+        assert json.loads(path.read_text()) == {"work: a": 2.0}
 
 
 def test_durations_read_as_people_say_them() -> None:

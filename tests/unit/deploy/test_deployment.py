@@ -1,9 +1,10 @@
 """A deployment knows what is there already, and which release each alias runs."""
 
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
-from unittest.mock import Mock
+from unittest.mock import Mock, call
 
 import boto3
 import pytest
@@ -13,8 +14,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from infra.deploy import aws, deployment
+from infra.deploy.prune import MAX_ARTIFACT_AGE_DAYS, MAX_VERSIONS, prune
 from infra.deploy.steps import ROLLOUT, Target, parameter_file, steps
-from tests.unit.deploy.paged import paged
+
+
+def paged(*pages: dict[str, Any], **responses: Any) -> Mock:
+    """Make a client; `responses`: those of its other calls, by name."""
+    client = Mock()
+    client.get_paginator.return_value.paginate.return_value = pages
+    for name, response in responses.items():
+        getattr(client, name).return_value = response
+    return client
 
 
 class Cloudformation(Mock):
@@ -150,6 +160,41 @@ def test_stack_and_table_are_protected_once_they_are_there() -> None:
         StackName="mine", EnableTerminationProtection=True
     )
     dynamodb.update_table.assert_called_once_with(TableName="table", DeletionProtectionEnabled=True)
+
+
+NOW = datetime(2026, 11, 22, tzinfo=UTC)
+OLD = NOW - timedelta(days=MAX_ARTIFACT_AGE_DAYS + 1)
+
+
+def test_named_and_newest_versions_and_used_artifacts_stay() -> None:
+    cloudformation = paged(
+        {"StackResourceSummaries": [resource("Function", "Lookup"), alias("Lookup")]},
+        describe_stacks={
+            "Stacks": [{"Outputs": [{"OutputKey": "SourceBucket", "OutputValue": "artifacts"}]}]
+        },
+        get_template={"TemplateBody": {"Resources": {"F": {"Code": {"S3Key": "calibdb/used"}}}}},
+    )
+    # A function of twelve versions, whose alias moves from the second to the twelfth
+    moving = {"FunctionVersion": "2", "RoutingConfig": {"AdditionalVersionWeights": {"12": 0.1}}}
+    lambda_ = paged(
+        *({"Versions": [{"Version": number}]} for number in ["$LATEST", *map(str, range(1, 13))]),
+        list_aliases={"Aliases": [moving]},
+    )
+    times = {"calibdb/used": OLD, "calibdb/old": OLD, "calibdb/young": NOW}
+    s3 = paged({"Contents": [{"Key": key, "LastModified": time} for key, time in times.items()]}, {})
+    clients = {"cloudformation": cloudformation, "lambda": lambda_, "s3": s3}
+    done = prune(aws.Account("calibdb", "us-east-1", clients), NOW)
+    s3.get_paginator().paginate.assert_called_once_with(Bucket="artifacts", Prefix="calibdb/")
+    lambda_.list_aliases.assert_called_once_with(FunctionName="Lookup")
+    assert MAX_VERSIONS == 5
+    # 11 to 7 stay, and those of the alias.
+    assert lambda_.delete_function.mock_calls == [
+        call(FunctionName="Lookup", Qualifier=number) for number in ("6", "5", "4", "3", "1")
+    ]
+    s3.delete_objects.assert_called_once_with(
+        Bucket="artifacts", Delete={"Objects": [{"Key": "calibdb/old"}], "Quiet": True}
+    )
+    assert done == (5, 1)
 
 
 OTHER_STEPS = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
