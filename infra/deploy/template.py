@@ -3,8 +3,9 @@
 Some short forms are ours:
 
 * `!Arn "service:region:own:resource"` is an ARN of this partition, of the stack's account for `own`.
-* `!Policy` makes the document of a list of statements. In these `service: One Two` names actions, and `Allow`
-  is the effect by default.
+* `!Policy` makes the document of a list of statements. In these `service: One Two` names actions, `Allow` is
+  the effect by default, and `Keys`, `Attributes` and `Prefixes` are conditions. With `Attributes`, values of
+  others are not returned.
 * `Policies`, next to `Resources`, are the statements of managed policies; `NamedPolicies` have their names
   behind the stack's.
 * `Routes` of a function become its events.
@@ -16,6 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+
+# Operators and names of conditions, for partition keys and attributes of items, and for names of objects
+_CONDITIONS = {
+    "Keys": ("ForAllValues:StringLike", "dynamodb:LeadingKeys"),
+    "Attributes": ("ForAllValues:StringEquals", "dynamodb:Attributes"),
+    "Prefixes": ("StringLike", "s3:prefix"),
+}
 
 
 def parse(path: Path) -> dict[str, Any]:
@@ -48,8 +56,15 @@ def _statement(short: Mapping[str, Any]) -> dict[str, Any]:
     """Expand a statement: its keys in lower case are services, with the names of their actions."""
     services = {key: names for key, names in short.items() if key.islower()}
     actions = [f"{service}:{name}" for service, names in services.items() for name in names.split()]
-    others = {key: value for key, value in short.items() if key not in services}
-    return {"Effect": "Allow", "Action": actions, **others}
+    others = {key: value for key, value in short.items() if key not in {*services, *_CONDITIONS}}
+    conditions = dict(others.pop("Condition", {}))
+    for key, (operator, name) in _CONDITIONS.items():
+        if key in short:
+            conditions[operator] = {name: short[key]}
+    if "Attributes" in short:
+        conditions["StringEqualsIfExists"] = {"dynamodb:ReturnValues": ["NONE", "UPDATED_NEW"]}
+    statement = {"Effect": "Allow", "Action": actions, **others}
+    return statement | ({"Condition": conditions} if conditions else {})
 
 
 def _events(routes: list[str], rates: dict[str, Any]) -> dict[str, Any]:
