@@ -18,7 +18,7 @@ from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
 from calibdb.store import StreamMode
 from calibdb.store.aliases import Aliases
-from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
+from calibdb.store.keys import camera_pk, with_tombstones
 from infra.console import track
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
@@ -72,10 +72,12 @@ def list_cameras(
     with open_run(as_json=as_json) as (context, output):
         stored: Counter[str] = Counter()
         withdrawn: Counter[str] = Counter()
-        for name in track(context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
+        names = with_tombstones(context.objects.names(CALIBRATIONS_PREFIX))
+        for _, name, is_withdrawn in track(names, "calibrations"):
             key = name.split("/")[1]
             if text.lower() in key:
-                (withdrawn if name.endswith(WITHDRAWN) else stored)[key] += 1
+                stored[key] += 1
+                withdrawn[key] += is_withdrawn
         rows = [(key, count, withdrawn[key]) for key, count in sorted(stored.items())]
         output.table(("camera", "#calibrations", "#withdrawn"), rows, (_count_line(*row) for row in rows))
         output.value([{"key": key, "calibrations": n, "withdrawn": m} for key, n, m in rows])
@@ -145,13 +147,10 @@ def _read_calibrations(context: OpsContext, camera_key: str) -> Iterator[Stored]
 
 
 def _stored_under(context: OpsContext, camera_key: str) -> Iterator[tuple[str, Stored]]:
-    names = set(context.objects.names(f"{CALIBRATIONS_PREFIX}{camera_key}/"))
-    for name in names:
-        calibration_id = name.rpartition("/")[2].removesuffix(".json")
-        if not name.endswith(WITHDRAWN):
-            document = context.store.calibrations.get(calibration_id)
-            if document is not None:
-                yield calibration_id, (document, tombstone_object(calibration_id) in names)
+    for _, name, withdrawn in with_tombstones(context.objects.names(f"{CALIBRATIONS_PREFIX}{camera_key}/")):
+        document = context.store.calibrations.get(name.rpartition("/")[2].removesuffix(".json"))
+        if document is not None:
+            yield document.id, (document, withdrawn)
 
 
 def _describe_consensus(consensus: ConsensusDocument) -> str:

@@ -2,22 +2,17 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
-from typing import Any
-from typing import cast as typed
+from dataclasses import asdict, dataclass, replace
+from typing import Any, cast
 
 from calibdb.access.plans import TRIAL_PERIOD_S
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_result
 from calibdb.schema import CalibrationDocument, RefitRequest
-from calibdb.store import Calibrations, StreamMode, Table, Tokens, endings
+from calibdb.store import Store, StreamMode, Table, endings
 from calibdb.store.names import with_current_key
 from calibdb.store.ports import Condition, Item
-from calibdb.store.priors import Priors
-from calibdb.store.rigs import Rigs
-from calibdb.store.versions import Sessions
-from calibdb.store.votes import Votes
 from infra.console import track
 from infra.ops import OpsError
 from infra.ops.context import Key, OpsContext
@@ -79,23 +74,21 @@ def reindex(
     # First, so that later publications are not mistaken for entries that the bucket lacks.
     indexed = set(context.storage.table.keys("CAMERA"))
     recorder = _RecordingTable(context.storage.table, dry_run=dry_run)
-    table = typed("Table", recorder)
-    sessions = Sessions(table, context.objects).index(context.now)
-    rigs = Rigs(table, context.objects).index(context.now)
+    recorded = replace(context.storage, table=cast("Table", recorder), objects=context.objects)
+    store = Store.over(recorded)
+    sessions, rigs = store.sessions.index(context.now), store.rigs.index(context.now)
     published = _publish_finished(context, dry_run=dry_run)
-    calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
     for document, withdrawn in context.every_calibration():
-        calibrations.index(document, withdrawn=withdrawn)
+        store.calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
-    cast = 0
-    for vote in track(votes.all(), "votes"):
-        votes.index(vote)
-        cast += 1
-    issued = Tokens(table, context.objects).reindex(context.now, TRIAL_PERIOD_S)
-    priors = Priors(table, context.objects)
-    for prior in priors.all():
-        priors.index(prior)
+    votes = 0
+    for vote in track(store.votes.all(), "votes"):
+        store.votes.index(vote)
+        votes += 1
+    tokens = store.tokens.reindex(context.now, TRIAL_PERIOD_S)
+    for prior in store.priors.all():
+        store.priors.index(prior)
     computed = {(item.pk, item.text) for item in modes}
     stale = {key for key in indexed if key not in recorder.written and _computed_of(key) not in computed}
     if not dry_run:
@@ -112,8 +105,8 @@ def reindex(
     return ReindexResult(
         calibrations=sum(modes.values()),
         published=published,
-        votes=cast,
-        tokens=issued,
+        votes=votes,
+        tokens=tokens,
         sessions=sessions,
         rigs=rigs,
         consensuses=consensuses,
