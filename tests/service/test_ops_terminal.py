@@ -150,7 +150,7 @@ def test_each_of_several_files_is_stored_or_refused_by_itself(tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     "arguments",
-    [[], ["nothing"], ["token", "rotate", "x", "--grace", "-1"], ["camera", "show"]],
+    [[], ["token", "rotate", "x", "--grace", "-1"]],
     ids=" ".join,
 )
 def test_wrong_command_line_exits_with_two(arguments: list[str]) -> None:

@@ -236,6 +236,7 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     numbered = [line for line in plan.splitlines() if re.match(r"\d+\. ", line)]
     kinds = [step.kind for step in steps.steps(steps.Target("mine", "us-east-1"))]
     assert len(numbered) == len(kinds) == 13
+    assert kinds[0] == "account"
     assert kinds.index("package") > kinds.index("build")  # the layers, whose content names the release
 
 

@@ -13,7 +13,7 @@ from botocore.validate import ParamValidator
 
 from infra.deploy import account_check
 from infra.deploy.aws import Account
-from infra.deploy.steps import Target, steps
+from infra.deploy.steps import Target
 
 DOMAIN = {
     "DomainName": "calib.example.org",
@@ -68,10 +68,6 @@ def with_parameters(**parameters: str) -> Target:
 def test_ordinary_account_has_no_problem() -> None:
     assert found() == []
     assert found(with_parameters(**DOMAIN, HostedZoneId="Z1")) == []
-
-
-def test_account_check_is_the_first_step() -> None:
-    assert next(steps(TARGET)).kind == "account"
 
 
 @pytest.mark.parametrize(
@@ -164,14 +160,3 @@ def test_a_failed_creation_says_what_to_do() -> None:
     verified, other = account_check.explain(reasons)
     assert "support case" in verified
     assert other == reasons[1]
-
-
-def test_first_creation_that_fails_leaves_nothing() -> None:
-    def deploys(target: Target) -> list[tuple[str, ...]]:
-        return [step.command for step in steps(target) if step.command[1:2] == ("deploy",)]
-
-    first, second = deploys(TARGET)
-    assert first[first.index("--on-failure") + 1] == "DELETE"
-    assert "--on-failure" not in second  # by then the stack is there
-    (again,) = deploys(replace(TARGET, exists=True, site="https://x.example"))
-    assert "--on-failure" not in again

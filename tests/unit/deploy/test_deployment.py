@@ -54,9 +54,12 @@ def test_first_deployment_tells_the_functions_where_the_site_is() -> None:
     target = deployment.find_out(Target("mine", "us-east-1"))
     assert (target.exists, target.site) == (False, None)
     deploys = [s for s in steps(target) if s.command[1:2] == ("deploy",)]
-    assert len(deploys) == 2
-    assert deploys[1].parameters["GuidanceUrl"] == "{SiteUrl}/calibrate/"
-    assert deploys[1].parameters["Rollout"] == "AllAtOnce"  # there are no calls to move yet
+    first, second = deploys
+    assert second.parameters["GuidanceUrl"] == "{SiteUrl}/calibrate/"
+    assert second.parameters["Rollout"] == "AllAtOnce"  # there are no calls to move yet
+    # A creation that fails leaves nothing; by the second time the stack is there.
+    assert first.command[first.command.index("--on-failure") + 1] == "DELETE"
+    assert "--on-failure" not in second.command
 
 
 def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloudformation) -> None:
@@ -65,6 +68,7 @@ def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloud
     (step,) = (s for s in steps(target) if s.command[1:2] == ("deploy",))
     assert step.parameters["GuidanceUrl"] == "https://d1.cloudfront.net/calibrate/"
     assert step.parameters["Rollout"] == ROLLOUT
+    assert "--on-failure" not in step.command
     # A domain that the stack has already, and one that is given now or taken away.
     cloud.parameters = {"DomainName": "calib.example"}
     assert deployment.find_out(Target("mine", "us-east-1")).site == "https://calib.example"
