@@ -102,7 +102,7 @@ def test_a_change_in_one_module_renames_them_all(tmp_path: Path) -> None:
         (tmp_path / folder).mkdir()
     (tmp_path / "index.html").write_text('<script type="module" src="/main.js"></script>')
     (tmp_path / "main.js").write_text(
-        'import { x } from "./lib/x.js"; import "./vendor/v.js"; await import("./lib/y.worker.js"); // vendored'
+        'import { x } from "./lib/x.js"; import "./vendor/v.js"; await import("./lib/y.worker.js"); // vendor'
     )
     (tmp_path / "lib/y.worker.js").write_text(
         'new URL("./z.json", import.meta.url); new URL("../", import.meta.url);'
@@ -124,7 +124,7 @@ def test_a_change_in_one_module_renames_them_all(tmp_path: Path) -> None:
     assert files["index.html"] == f'<script type="module" src="/main-{digest}.js"></script>'.encode()
     assert files[f"main-{digest}.js"].decode() == (
         f'import {{ x }} from "./lib/x-{digest}.js"; import "./{vendor}"; '
-        f'await import("./lib/y-{digest}.worker.js"); // vendored'
+        f'await import("./lib/y-{digest}.worker.js"); // vendor'
     )
     assert (
         f'new URL("./z-{digest}.json", import.meta.url); new URL("../",'.encode()
