@@ -3,18 +3,14 @@
 import re
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from calibdb.errors import UnavailableError
-from calibdb.store import Cameras
 from infra.deploy import __main__ as command
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
 from infra.deploy.template import parse
 from infra.release.checkout import CheckoutError
-from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.sam import resources
 
@@ -64,31 +60,6 @@ def test_contact_is_published_where_one_is_named(tmp_path: Path) -> None:
     assert ".well-known/security.txt" not in {u.key for u in uploads(tmp_path, {}, None, NOW)}
 
 
-def run_probe(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run the code as Lambda gets it; raises RuntimeError where it finds the site out of order."""
-    code = resources()["Probe"]["Properties"]["Code"]["ZipFile"]
-    assert len(code) <= 4096  # AWS::Lambda::Function Code, "ZipFile": 4 MB today, 4,096 characters once
-    monkeypatch.setenv("SITE_URL", url)
-    names: dict[str, Any] = {}
-    exec(compile(code, "index.py", "exec"), names)
-    names["handler"]({}, None)
-
-
-def test_probe_finds_a_site_that_answers_lookups(monkeypatch: pytest.MonkeyPatch, served: str) -> None:
-    run_probe(served, monkeypatch)
-
-
-def test_probe_fails_where_lookups_are_not_answered(monkeypatch: pytest.MonkeyPatch, served: str) -> None:
-    def fail(*_: Any, **__: Any) -> None:
-        raise UnavailableError("Storage did not answer.")
-
-    monkeypatch.setattr(Cameras, "known", fail)
-    with pytest.raises(RuntimeError, match="POST /v1/lookup: 503"):
-        run_probe(served, monkeypatch)
-    with pytest.raises(OSError, match="refused"):
-        run_probe("http://127.0.0.1:9", monkeypatch)
-
-
 def test_every_alarm_is_explained() -> None:
     alarms = {n for n, r in resources().items() if r["Type"] == "AWS::CloudWatch::Alarm"}
     explained = set(re.findall(r"^\| `(\w+Alarm)`", (ROOT / "docs/operations.md").read_text(), re.MULTILINE))
@@ -109,10 +80,3 @@ def test_changed_checkout_is_deployed_only_by_wish(
     assert not deployed
     assert command.main(["--stack", "calibdb", "--dirty"]) == 0
     assert len(deployed) == 1
-
-
-@pytest.fixture(scope="module")
-def served() -> Any:
-    """Address of a local stack behind its own server."""
-    with Server() as stack, stack.serve() as url:
-        yield url

@@ -8,9 +8,12 @@ from typing import Any
 import httpx
 import pytest
 
+from calibdb.errors import UnavailableError
+from calibdb.store import Cameras
 from infra.deploy import page_token, smoke, smoke_capture
 from infra.server.server import Server
 from infra.web_build.site import made_files
+from tests.helpers.sam import resources
 from tests.helpers.service.published import store
 
 Change = Callable[[str, str, httpx.Response], httpx.Response]
@@ -134,3 +137,28 @@ def test_page_token_follows_the_domain(stack: Server) -> None:
     assert (token.plan, set(token.origins)) == ("page", {site, distribution})
     # One that was lost with the table is made anew.
     assert page_token.admit(tokens, "cdb_0123456789abcdef_x", [site]) != first
+
+
+def run_probe(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the code as Lambda gets it; raises RuntimeError where it finds the site out of order."""
+    code = resources()["Probe"]["Properties"]["Code"]["ZipFile"]
+    assert len(code) <= 4096  # AWS::Lambda::Function Code, "ZipFile": 4 MB today, 4,096 characters once
+    monkeypatch.setenv("SITE_URL", url)
+    names: dict[str, Any] = {}
+    exec(compile(code, "index.py", "exec"), names)
+    names["handler"]({}, None)
+
+
+def test_probe_finds_a_site_that_answers_lookups(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    run_probe(address, monkeypatch)
+
+
+def test_probe_fails_where_lookups_are_not_answered(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise UnavailableError("Storage did not answer.")
+
+    monkeypatch.setattr(Cameras, "known", fail)
+    with pytest.raises(RuntimeError, match="POST /v1/lookup: 503"):
+        run_probe(address, monkeypatch)
+    with pytest.raises(OSError, match="refused"):
+        run_probe("http://127.0.0.1:9", monkeypatch)
