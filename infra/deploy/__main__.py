@@ -13,8 +13,8 @@ from botocore.exceptions import BotoCoreError, ClientError
 
 from calibdb.access.plans import multiplied
 from calibdb.settings import Thresholds, parse_plan_factors
-from infra.deploy import aws
 from infra.deploy.aws import DeployError
+from infra.deploy.cutoff import switch
 from infra.deploy.deployment import deploy
 from infra.deploy.package import ROOT
 from infra.deploy.site import uploads
@@ -99,7 +99,7 @@ def _switch(target: Target, *, enabled: bool) -> None:
     if "DistributionId" not in made:
         raise DeployError(f"there is no stack {target.stack} with a distribution")
     state = "enabled" if enabled else "disabled"
-    changed = aws.switch(account.client("cloudfront"), made["DistributionId"], enabled=enabled)
+    changed = switch(account.client("cloudfront"), made["DistributionId"], enabled=enabled)
     print(f"The distribution is {'being ' if changed else ''}{state}{'' if changed else ' already'}.")
     if not enabled:
         print(f"{made['ApiUrl']} still responds: deploy with RequestRate=1 to stop it too.")

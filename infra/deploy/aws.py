@@ -271,18 +271,6 @@ def _content(s3: Any, bucket: str, key: str) -> bytes | None:
     return content
 
 
-def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:
-    """Enable or disable the distribution, which takes minutes; False if it is so already."""
-    current = cloudfront.get_distribution_config(Id=distribution)
-    config = current["DistributionConfig"]
-    if config["Enabled"] == enabled:
-        return False
-    cloudfront.update_distribution(
-        Id=distribution, IfMatch=current["ETag"], DistributionConfig={**config, "Enabled": enabled}
-    )
-    return True
-
-
 def invalidate(cloudfront: Any, distribution: str, caller: str) -> None:
     """Empty the edge's caches; `caller` is unique to the call."""
     cloudfront.create_invalidation(

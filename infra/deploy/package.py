@@ -71,6 +71,9 @@ def complete_template() -> Template:
         if resource["Type"] == "AWS::CloudFront::Function":
             properties = resource["Properties"]
             properties["FunctionCode"] = _edge_function(ROOT / properties["FunctionCode"], pages)
+        if resource["Type"] == "AWS::Lambda::Function":
+            code = resource["Properties"]["Code"]
+            code["ZipFile"] = (ROOT / code["ZipFile"]).read_text(encoding="utf-8")
     return document
 
 

@@ -2,14 +2,13 @@
 
 import json
 import subprocess
-import sys
-import types
 from typing import Any
 
+import boto3
 import pytest
 
 from calibdb.http import application
-from infra.deploy import aws
+from infra.deploy.cutoff import switch
 from infra.deploy.steps import Target
 from tests.helpers.data import ROOT
 from tests.helpers.sam import resources
@@ -217,9 +216,7 @@ class CloudFront:
 
 def test_cutoff_disables_the_distribution_once(monkeypatch: pytest.MonkeyPatch) -> None:
     cloudfront = CloudFront()
-    boto3 = types.ModuleType("boto3")
-    boto3.client = {"cloudfront": cloudfront}.__getitem__  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "boto3", boto3)
+    monkeypatch.setattr(boto3, "client", {"cloudfront": cloudfront}.__getitem__)
     monkeypatch.setenv("DISTRIBUTION", "E1")
     code = resources()["CutoffFunction"]["Properties"]["Code"]["ZipFile"]
     assert len(code.encode()) <= 4096  # AWS::Lambda::Function, "ZipFile"
@@ -247,7 +244,7 @@ def test_alarm_on_delivered_bytes_invokes_the_cutoff() -> None:
 def test_operator_switches_the_distribution_off_and_on() -> None:
     cloudfront = CloudFront()
     for enabled, changed in ((True, False), (False, True), (False, False), (True, True)):
-        assert aws.switch(cloudfront, "E1", enabled=enabled) == changed
+        assert switch(cloudfront, "E1", enabled=enabled) == changed
         assert cloudfront.config == {"Enabled": enabled, "Comment": "kept"}
 
 
