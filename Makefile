@@ -212,8 +212,15 @@ lock: $(UV) ## write the lock files anew
 	npm install --package-lock-only
 	node infra/ci/lock.mjs
 
-layers: $(UV) .venv/.made node_modules/.made ## build both layers for arm64 in .build/layers
-	@UV=$(abspath $(UV)) $(PY) -m infra.deploy.layers
+layers: .layer-service .layer-solver ## build both layers for arm64 in .build/layers
+	@$(PY) -m infra.deploy.layers
+
+# Without the layers' sources in PYTHONPATH
+.layer-%: $(UV) .venv/.made node_modules/.made
+	@echo "install and compile the $* layer"
+	@rm -rf .build/layers/$*
+	@env -u PYTHONPATH $(MAKE) --silent -C layers/$* ARTIFACTS_DIR=$(CURDIR)/.build/layers/$* UV=$(abspath $(UV)) \
+		COMPILE="node $(CURDIR)/infra/deploy/compile.mjs"
 
 MINISTACK := .build/ministack/bin/hypercorn
 

@@ -1,16 +1,11 @@
-"""Build of both layers in `.build/layers`, and their check against Lambda's limits and size budgets."""
+"""Check of the built layers in `.build/layers` against Lambda's limits and size budgets: `make layers`."""
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-
-from infra.console import announce
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / ".build" / "layers"
@@ -65,30 +60,8 @@ def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Itera
             yield f"{name}: {100 * layer.compiled:.0f} % of its modules are compiled"
 
 
-def _build() -> None:
-    """Build both layers with their own Makefiles."""
-    shutil.rmtree(BUILT, ignore_errors=True)
-    node = shutil.which("node") or "node"
-    # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    targets = [("service", "build-ServiceLayer"), ("solver", "build-SolverLayer")]
-    for name, target in announce("layers", targets, lambda step: f"install and compile the {step[0]} layer"):
-        command = [
-            *("make", "--silent", "-C", str(ROOT / "layers" / name), target),
-            f"ARTIFACTS_DIR={BUILT / name}",
-            f"UV={os.environ.get('UV', 'uv')}",
-            f"COMPILE={node} {ROOT / 'infra' / 'deploy' / 'compile.mjs'}",
-        ]
-        subprocess.run(command, env=environment, check=True)
-
-
 def main() -> int:
-    """Build, and print the sizes; return 1 if something is wrong."""
-    try:
-        _build()
-    except subprocess.CalledProcessError as error:
-        print(f"calibDB: {error}", file=sys.stderr)
-        return 1
+    """Print the sizes; return 1 if something is wrong."""
     layers = {name: BuiltLayer.of(BUILT / name) for name in ("service", "solver")}
     functions = BuiltLayer.of(ROOT / "functions").megabytes
     for name, layer in layers.items():
