@@ -97,12 +97,17 @@ def _opened() -> Iterator[tuple[Mapping[str, str], bool]]:
     missing = [name for name in ("TABLE_NAME", "BUCKET_NAME") if name not in os.environ]
     if missing:
         raise ValueError(f"storage is on AWS, but {' and '.join(missing)} do not say where")
-    own = {"SESSION_SECRETS": "none", "CONTRIBUTOR_SECRET": "none", "GUIDANCE_URL": "http://127.0.0.1:8000/"}
-    environment = {**own, "REFIT_FUNCTION": "refit", **os.environ}
+    environment = {
+        "SESSION_SECRETS": "none",
+        "CONTRIBUTOR_SECRET": "none",
+        "GUIDANCE_URL": "http://127.0.0.1:8000/",
+        "REFIT_FUNCTION": "refit",
+        **os.environ,
+    }
     storage = storage_of(Settings.from_environment(environment))
     # Consensuses are computed here: the operator sees what fails.
     here = Storage(storage.table, storage.objects, InlineJobs(), storage.site)
-    with variables_set({**own, **os.environ}), opened(here):
+    with variables_set(environment), opened(here):
         yield environment, "CONTRIBUTOR_SECRET" in os.environ
 
 
