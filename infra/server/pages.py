@@ -180,7 +180,5 @@ class PublicObjects:
             return Response(content, status, described, JSON)
         content, tag = version
         kind, cache_control = self._objects.headers(name)
-        described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache"}
-        if Headers(scope=scope).get("if-none-match") == f'"{tag}"':
-            return Response(status_code=304, headers=described)
-        return Response(content, 200, described, kind)
+        described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache", "content-type": kind}
+        return _File(content, None, described).response(Headers(scope=scope))
