@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from infra.ci.import_handlers import functions, sources
-
 ROOT = Path(__file__).parents[2]
 
 
@@ -64,10 +62,3 @@ def test_benchmarks_and_screenshots_can_be_imported() -> None:
     files = [*(ROOT / "tests/bench").glob("*.py"), ROOT / "tests/browser/screenshots.py"]
     for name in sorted(f"tests.{path.parent.name}.{path.stem}" for path in files if path.stem[0] != "_"):
         importlib.import_module(name)
-
-
-def test_functions_without_the_solver_compute_nothing() -> None:
-    without = [folder for folder, solver in functions(sources(ROOT)) if not solver]
-    assert "functions/lookup" in without
-    for folder in without:
-        assert "calibdb.compute" not in (ROOT / folder / "app.py").read_text(), folder
