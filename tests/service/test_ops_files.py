@@ -130,18 +130,11 @@ def test_a_broken_dump_is_not_taken_in_by_half(
 
 def test_contradictory_rows_seed_nothing(operator: Operator, tmp_path: Path) -> None:
     file = tmp_path / "rows.csv"
-    file.write_text(
-        "brand,model,lens,w,h,fx,fy,cx,cy,k1,k2,k3,k4\n"
-        "A,One camera,,1280,720,900,900,640,360,0,0,0,0\n"
-        "A,One camera,,1280,720,930,930,640,360,0,0,0,0\n"
-        "A,One camera,,1280,720,910,910,640,360,0,0,0,0\n"
-        "A,Two lenses,,1280,720,900,900,640,360,0,0,0,0\n"
-        "A,Two lenses,,1280,720,1400,1400,640,360,0,0,0,0\n"
-        "A,No camera,,1280,720,-900,900,640,360,0,0,0,0\n"
-        "A,No camera,,1280,720,900,900,6400,360,0,0,0,0\n"
-        "A,No camera,,1,720,900,900,0.5,360,0,0,0,0\n"
-        "A,No number,,1280,720,nan,900,640,360,0,0,0,0\n"
-    )
+    focals = [("One camera", "900"), ("One camera", "930"), ("One camera", "910")]
+    focals += [("Two lenses", "900"), ("Two lenses", "1400"), ("No camera", "-900"), ("No number", "nan")]
+    rows = [f"A,{model},,1280,720,{f},{f},640,360,0,0,0,0" for model, f in focals]
+    rows += ["A,No camera,,1280,720,900,900,6400,360,0,0,0,0", "A,No camera,,1,720,900,900,0.5,360,0,0,0,0"]
+    file.write_text("\n".join(["brand,model,lens,w,h,fx,fy,cx,cy,k1,k2,k3,k4", *rows]))
     names = ("--camera", "{brand} {model} {lens}", "--platform", "photograph", "--model", "fisheye")
     printed = operator("seed", file, *names)
     assert "9 rows: 1 first guesses for 1 cameras" in printed
