@@ -1,6 +1,5 @@
 """Tokens of the site's own pages and of its canary: they follow the site's address."""
 
-import secrets
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -47,4 +46,4 @@ def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = "page"
         if missing := [origin for origin in origins if origin not in token.origins]:
             tokens.change(replace(token, origins=(*token.origins, *missing)))
         return known
-    return issue(tokens, origins, plan, int(time.time()), secrets.token_hex)
+    return issue(tokens, origins, plan, int(time.time()))

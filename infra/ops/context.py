@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -31,7 +30,6 @@ class OpsContext:
     storage: Storage
     objects: Objects
     now: int  # unix seconds
-    random_hex: Callable[[int], str]  # of so many bytes
     echo: Callable[[str], None]
 
     @classmethod
@@ -48,11 +46,10 @@ class OpsContext:
         return cls(
             settings=settings,
             secret_known=secret_known,
-            store=Store.of(settings),
+            store=Store.over(storage),
             storage=storage,
             objects=_replicated(storage.objects, settings),
             now=int(time.time()),
-            random_hex=secrets.token_hex,
             echo=echo,
         )
 

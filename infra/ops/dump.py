@@ -1,6 +1,7 @@
 """Dump of the database (CC0): JSON Lines that `load` reads, and Parquet tables for analysis."""
 
 import functools
+import secrets
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -81,7 +82,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
-    alias = aliases(context.random_hex(32))
+    alias = aliases(secrets.token_hex(32))
     select = functools.partial(unnamed_copy if private else public_copy, alias=alias)
     draft = folder.with_name(folder.name + ".partial")  # a dump is whole or it is not there
     draft.mkdir(parents=True, exist_ok=True)

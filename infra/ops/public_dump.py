@@ -1,6 +1,7 @@
 """The public dump of the site, written now instead of by its schedule."""
 
 import math
+import secrets
 
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
@@ -23,7 +24,7 @@ def publish_dump(context: OpsContext) -> Dump:
         dumps=dumps,
         figures=Figures(dumps, store.cameras, store.miss_counts, store.calibrations, least),
         now=lambda: context.now,
-        random_hex=context.random_hex,
+        random_hex=secrets.token_hex,
         seconds_left=lambda: math.inf,
     ).run(force=True)
     if dump is None:

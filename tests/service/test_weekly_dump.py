@@ -3,6 +3,7 @@
 import gzip
 import hashlib
 import json
+import secrets
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -69,7 +70,7 @@ def writer(
 ) -> WeeklyDump:
     dumps, store = dumps_of(context), context.store
     figures = Figures(dumps, store.cameras, store.miss_counts, store.calibrations, 3)
-    return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
+    return WeeklyDump(dumps, figures, lambda: now, secrets.token_hex, left, **options)
 
 
 def read(stack: Server, name: str) -> bytes | None:
