@@ -39,7 +39,7 @@ calibdb-ops = "calibdb_server:operate"
 def build(target: Path) -> list[Path]:
     """Build all wheels into a folder; return their paths. Raises SiteError if the site cannot be built."""
     # flit gives all files of a wheel this time: the same commit makes the same bytes.
-    os.environ.setdefault("SOURCE_DATE_EPOCH", git(ROOT, "log", "-1", "--format=%ct").strip())
+    os.environ.setdefault("SOURCE_DATE_EPOCH", git("log", "-1", "--format=%ct").strip())
     built = [make_wheel_in(project / "pyproject.toml", target).file for project in PROJECTS]
     return [*built, build_server(target)]
 
