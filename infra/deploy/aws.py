@@ -2,6 +2,7 @@
 
 import json
 import secrets
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -141,11 +142,6 @@ class Account:
         """Read the stack's outputs by name."""
         return self.describe().outputs
 
-    def physical_id(self, name: str) -> str:
-        """Read the name that AWS gave a resource of the stack."""
-        response = self._cloudformation.describe_stack_resource(StackName=self.stack, LogicalResourceId=name)
-        return str(response["StackResourceDetail"]["PhysicalResourceId"])
-
     def resources(self, kind: str | None = None) -> list[Mapping[str, str]]:
         """Read the resources of the stack, of one type or of all."""
         pages = self._cloudformation.get_paginator("list_stack_resources").paginate(StackName=self.stack)
@@ -209,6 +205,16 @@ class Account:
             if e["ResourceStatus"].endswith("_FAILED")
         ]
 
+    def invalidate(self) -> None:
+        """Empty the edge's caches."""
+        self.client("cloudfront").create_invalidation(
+            DistributionId=self.outputs()["DistributionId"],
+            InvalidationBatch={
+                "Paths": {"Quantity": 1, "Items": ["/*"]},
+                "CallerReference": str(time.time_ns()),
+            },
+        )
+
     def protect(self) -> None:
         """Protect stack and table from deletion.
 
@@ -269,11 +275,3 @@ def _content(s3: Any, bucket: str, key: str) -> bytes | None:
     except s3.exceptions.NoSuchKey:
         return None
     return content
-
-
-def invalidate(cloudfront: Any, distribution: str, caller: str) -> None:
-    """Empty the edge's caches; `caller` is unique to the call."""
-    cloudfront.create_invalidation(
-        DistributionId=distribution,
-        InvalidationBatch={"Paths": {"Quantity": 1, "Items": ["/*"]}, "CallerReference": caller},
-    )

@@ -4,7 +4,6 @@ import functools
 import os
 import shlex
 import subprocess
-import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -80,8 +79,7 @@ def _do(step: Step, target: Target, source: Template) -> None:
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
-            distribution = account.outputs()["DistributionId"]
-            aws.invalidate(account.client("cloudfront"), distribution, str(time.time_ns()))
+            account.invalidate()
         case "protect":
             account.protect()
         case "prune":
@@ -119,8 +117,10 @@ def _smoke(target: Target, source: Template) -> Iterator[str]:
     at_api = smoke.make_requester(made["ApiUrl"].removesuffix("/v1"))
     yield from (f"{made['ApiUrl']}: {problem}" for problem in smoke.preflight_problems(at_api, "/v1/lookup"))
     settings = aws.settings(account.client("s3"), made["WebBucketName"])
-    refit = account.physical_id("RefitFunction")
-    remove = functools.partial(smoke_capture.remove, made, target.region, refit)
+    names = {
+        each["LogicalResourceId"]: each["PhysicalResourceId"] for each in account.resources(aws.FUNCTION)
+    }
+    remove = functools.partial(smoke_capture.remove, made, target.region, names["RefitFunction"])
     yield from smoke_capture.problems(site, settings.get("token", ""), remove)
 
 
