@@ -44,41 +44,11 @@ class ForgetResult:
         )
 
 
-def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
-    """Exclude a calibration from all consensuses, and recompute its own.
-
-    The calibration stays, with a tombstone next to it. False if it was withdrawn before.
-    """
-    document = _get(context, calibration_id)
-    done = context.store.calibrations.withdraw(document, reason, context.now)
-    _refit(context, reindex.mode_of(document))
-    return done
-
-
 def _get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
     document = context.store.calibrations.get(calibration_id)
     if document is None:
         raise OpsError(f"there is no calibration {calibration_id}")
     return document
-
-
-def _get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
-    document = _get(context, calibration_id)
-    tombstone = tombstone_object(calibration_id)
-    if tombstone is None or context.objects.get(tombstone) is None:
-        raise OpsError(f"{calibration_id} is not withdrawn")
-    return document, tombstone
-
-
-def restore(context: OpsContext, calibration_id: str) -> None:
-    """Include a withdrawn calibration again."""
-    document, tombstone = _get_withdrawn(context, calibration_id)
-    context.objects.purge_all_versions([tombstone])
-    mode = reindex.mode_of(document)
-    # Its item is marked, and marks are permanent: a new item is made.
-    context.remove_items([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
-    context.store.calibrations.index(document)
-    _refit(context, mode)
 
 
 def _find_contributor(context: OpsContext, start: str) -> str:
@@ -215,10 +185,14 @@ def withdraw_calibrations(
     """Exclude calibrations from all consensuses."""
     with open_run() as (context, output):
         for calibration_id in track(ids, "calibrations", len(ids)):
+            document = _get(context, calibration_id)
             if dry_run:
-                _get(context, calibration_id)
                 output.line(f"would be withdrawn: {calibration_id}")
-            elif not withdraw(context, calibration_id, reason):
+                continue
+            # The calibration stays, with a tombstone next to it.
+            done = context.store.calibrations.withdraw(document, reason, context.now)
+            _refit(context, reindex.mode_of(document))
+            if not done:
                 output.line("it was withdrawn before")
 
 
@@ -239,11 +213,19 @@ def restore_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Include withdrawn calibrations again."""
     with open_run() as (context, output):
         for calibration_id in track(ids, "calibrations", len(ids)):
+            document = _get(context, calibration_id)
+            tombstone = tombstone_object(calibration_id)
+            if tombstone is None or context.objects.get(tombstone) is None:
+                raise OpsError(f"{calibration_id} is not withdrawn")
             if dry_run:
-                _get_withdrawn(context, calibration_id)
                 output.line(f"would be restored: {calibration_id}")
-            else:
-                restore(context, calibration_id)
+                continue
+            context.objects.purge_all_versions([tombstone])
+            mode = reindex.mode_of(document)
+            # Its item is marked, and marks are permanent: a new item is made.
+            context.remove_items([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
+            context.store.calibrations.index(document)
+            _refit(context, mode)
 
 
 @contributor_app.callback()
