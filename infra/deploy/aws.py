@@ -236,7 +236,11 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
-        if file.is_versioned and _is_published(s3, bucket, file):
+        published = _content(s3, bucket, file.key) if file.is_versioned else None
+        if published not in (None, file.content):
+            message = f"{file.key} is published with another content: raise the version (`make release`)"
+            raise DeployError(message)
+        if published is not None:
             continue
         more = {"ContentEncoding": file.content_encoding} if file.content_encoding else {}
         more |= {"IfNoneMatch": "*"} if file.is_initial else {}
@@ -253,13 +257,6 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
             if not (file.is_initial and error.response["Error"]["Code"] == "PreconditionFailed"):
                 raise
     return number
-
-
-def _is_published(s3: Any, bucket: str, file: Upload) -> bool:
-    published = _content(s3, bucket, file.key)
-    if published not in (None, file.content):
-        raise DeployError(f"{file.key} is published with another content: raise the version (`make release`)")
-    return published is not None
 
 
 def settings(s3: Any, bucket: str) -> Mapping[str, str]:

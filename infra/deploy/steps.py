@@ -77,7 +77,9 @@ def steps(target: Target) -> Iterator[Step]:
         "SESSION_SECRETS, CONTRIBUTOR_SECRET, EDGE_SECRETS, EDGE_SECRET",
     )
     if region := target.parameters.get("ReplicaRegion"):
-        yield Step("run", f"make the bucket for the replica in {region}", _replica(target, region))
+        command = _deploy("infra/deploy/replica.yaml", f"{target.stack}-replica", region)
+        values = ("--parameter-overrides", f"Stack={target.stack}")
+        yield Step("run", f"make the bucket for the replica in {region}", (*command, *values))
     yield Step("run", "create or change the stack", _command(target), target.effective)
     if target.site is None:
         yield Step("package", "name the release again: its functions learn where the site is")
@@ -90,13 +92,6 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step("protect", "protect stack and table from deletion")
     yield Step("prune", "remove versions and artifacts of earlier deployments")
     yield Step("smoke", "ask the site and the API whether they do what they must")
-
-
-def _replica(target: Target, region: str) -> tuple[str, ...]:
-    return (
-        *_deploy("infra/deploy/replica.yaml", f"{target.stack}-replica", region),
-        *("--parameter-overrides", f"Stack={target.stack}"),
-    )
 
 
 def _command(target: Target, *, first: bool = True) -> tuple[str, ...]:

@@ -17,7 +17,6 @@ import typer
 from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
 from calibdb.store import StreamMode
-from calibdb.store.aliases import Aliases
 from calibdb.store.keys import camera_pk, with_tombstones
 from infra.console import track
 from infra.ops import OpsError, reindex
@@ -205,19 +204,14 @@ def show_use(
 ) -> None:
     """Count lookups at the edge by camera."""
     with open_run(as_json=as_json) as (context, output):
-        use = _count_use(logs, context.store.aliases).most_common()
+        digests = Counter(m[1] for path in _paths(logs) if (m := _LOOKUP_PATH.match(path)))
+        counts: Counter[str] = Counter()
+        for digest, requests in digests.items():
+            alias = context.store.aliases.get(digest)
+            counts[_UNKNOWN if alias is None else alias.label] += requests
+        use = counts.most_common()
         output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
         output.value([{"camera": label, "lookups": count} for label, count in use])
-
-
-def _count_use(folder: Path, aliases: Aliases) -> Counter[str]:
-    """Count the requests of `GET /known/v1/…` by camera label, in all logs below a folder."""
-    digests = Counter(m[1] for path in _paths(folder) if (m := _LOOKUP_PATH.match(path)))
-    use: Counter[str] = Counter()
-    for digest, requests in digests.items():
-        alias = aliases.get(digest)
-        use[_UNKNOWN if alias is None else alias.label] += requests
-    return use
 
 
 def _paths(folder: Path) -> Iterator[str]:

@@ -60,18 +60,6 @@ def _find_contributor(context: OpsContext, start: str) -> str:
     return matches.pop()
 
 
-def _find_contributors_at(context: OpsContext, address: str, token_id: str | None) -> set[str]:
-    """Find the contributors at an IP address by their keyed hash, also with revoked tokens.
-
-    Addresses are not stored.
-    """
-    tokens = [token_id] if token_id else context.store.tokens.ids()
-    contributors = set(_contributors(context))
-    return {
-        contributor(context.settings.contributor_secret, address, token) for token in tokens
-    } & contributors
-
-
 def _find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
     sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
     if sid is None:
@@ -281,6 +269,9 @@ def _find(
         raise OpsError("name either a contributor, an address, or a receipt")
     if not context.secret_known:
         raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
-    if matches := _find_contributors_at(context, address, token):
+    # Addresses are not stored: it is hashed again, also with revoked tokens.
+    tokens = [token] if token else context.store.tokens.ids()
+    hashes = {contributor(context.settings.contributor_secret, address, each) for each in tokens}
+    if matches := hashes & _contributors(context):
         return matches
     raise OpsError("nothing came from there")
