@@ -43,12 +43,18 @@ class OpsContext:
         """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)
         storage = storage_of(settings)
+        objects = storage.objects
+        if not isinstance(objects, SqliteObjects):
+            # Not needed, and botocore not installed, elsewhere.
+            from infra.ops.replica import ReplicatedObjects
+
+            objects = ReplicatedObjects(settings.bucket_name, settings.region)
         return cls(
             settings=settings,
             secret_known=secret_known,
             store=Store.over(storage),
             storage=storage,
-            objects=_replicated(storage.objects, settings),
+            objects=objects,
             now=int(time.time()),
             echo=echo,
         )
@@ -64,11 +70,3 @@ class OpsContext:
 
     def _count_calibrations(self) -> int:
         return sum(not name.endswith(WITHDRAWN) for name in self.objects.names(CALIBRATIONS_PREFIX))
-
-
-def _replicated(objects: Objects, settings: Settings) -> Objects:
-    if isinstance(objects, SqliteObjects):
-        return objects
-    from infra.ops.replica import ReplicatedObjects  # not needed, and botocore not installed, elsewhere
-
-    return ReplicatedObjects(settings.bucket_name, settings.region)
