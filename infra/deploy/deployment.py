@@ -58,10 +58,16 @@ def _do(step: Step, target: Target, source: Template) -> None:
                 PARAMETERS.parent.mkdir(parents=True, exist_ok=True)
                 PARAMETERS.write_text(parameter_file(parameters), encoding="utf-8")
             _run(step.command, target)
-            if different := _different(parameters, target):
+            values = account.describe().parameters if parameters else {}
+            if different := [name for name, value in parameters.items() if values.get(name) != value]:
                 raise DeployError(f"the stack has other values than asked for: {', '.join(different)}")
         case "package":
-            print(f"   release {_package(target, source)}")
+            named = release(target, source)
+            values = {**account.describe().parameters, **target.parameters}
+            write_template(
+                package_template(source, named, traced=values.get("Tracing") == "Active"), TEMPLATE
+            )
+            print(f"   release {named}")
         case "secrets":
             account.make_secrets()
         case "upload":
@@ -100,13 +106,6 @@ def release(target: Target, source: Template) -> str:
     return release_digest(source, values)
 
 
-def _package(target: Target, source: Template) -> str:
-    named = release(target, source)
-    values = {**target.account.describe().parameters, **target.parameters}
-    write_template(package_template(source, named, traced=values.get("Tracing") == "Active"), TEMPLATE)
-    return named
-
-
 def _smoke(target: Target, source: Template) -> Iterator[str]:
     account = target.account
     made = account.outputs()
@@ -136,11 +135,6 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
     for place, value in values.items():
         filled = {name: content.replace(place, value) for name, content in filled.items()}
     return filled
-
-
-def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    values = target.account.describe().parameters if parameters else {}
-    return [name for name, value in parameters.items() if values.get(name) != value]
 
 
 def _run(command: Sequence[str], target: Target) -> None:
