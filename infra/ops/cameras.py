@@ -28,7 +28,6 @@ _COLUMNS = ("id", "time (UTC)", "contributor", "model", "#views", "#fx (px)", "#
 _MARKERS = ("●", "x", "+", "◇", "▵")
 _HEIGHT = 18  # lines of a terminal
 _MAX_GROUPS = len(_MARKERS)  # with their own marker; the others have none
-_UNKNOWN = "unknown"  # cameras that no lookup has found
 _LOOKUP_PATH = re.compile(r"/known/v1/([0-9a-f]{32})/")
 
 Stored = tuple[CalibrationDocument, bool]
@@ -208,7 +207,7 @@ def show_use(
         counts: Counter[str] = Counter()
         for digest, requests in digests.items():
             alias = context.store.aliases.get(digest)
-            counts[_UNKNOWN if alias is None else alias.label] += requests
+            counts["unknown" if alias is None else alias.label] += requests
         use = counts.most_common()
         output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
         output.value([{"camera": label, "lookups": count} for label, count in use])
