@@ -66,7 +66,9 @@ class OpsContext:
 
     def every_calibration(self) -> Iterator[tuple[CalibrationDocument, bool]]:
         """Yield all calibrations, each with whether it is withdrawn, and show the progress."""
-        return track(self.store.calibrations.everything(), "calibrations", self._count_calibrations)
-
-    def _count_calibrations(self) -> int:
-        return sum(not name.endswith(WITHDRAWN) for name in self.objects.names(CALIBRATIONS_PREFIX))
+        names = self.objects.names
+        return track(
+            self.store.calibrations.everything(),
+            "calibrations",
+            lambda: sum(not name.endswith(WITHDRAWN) for name in names(CALIBRATIONS_PREFIX)),
+        )
