@@ -49,8 +49,11 @@ def cloud(monkeypatch: pytest.MonkeyPatch) -> Cloudformation:
     return found
 
 
-@pytest.mark.usefixtures("cloud")
-def test_first_deployment_tells_the_functions_where_the_site_is() -> None:
+@pytest.mark.parametrize("status", [None, "REVIEW_IN_PROGRESS"])
+def test_first_deployment_tells_the_functions_where_the_site_is(
+    cloud: Cloudformation, status: str | None
+) -> None:
+    cloud.status = status
     target = deployment.find_out(Target("mine", "us-east-1"))
     assert (target.exists, target.site) == (False, None)
     deploys = [s for s in steps(target) if s.command[1:2] == ("deploy",)]
@@ -75,11 +78,6 @@ def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloud
     for domain, site in (("new.example", "https://new.example"), ("", "https://d1.cloudfront.net")):
         given = Target("mine", "us-east-1", {"DomainName": domain})
         assert deployment.find_out(given).site == site
-
-
-def test_stack_without_resources_is_not_there(cloud: Cloudformation) -> None:
-    cloud.status = "REVIEW_IN_PROGRESS"
-    assert not deployment.find_out(Target("mine", "us-east-1")).exists
 
 
 def with_clients(cloudformation: Mock, lambda_: Mock | None = None) -> aws.Account:
