@@ -28,10 +28,7 @@ def site() -> dict[str, Upload]:
 
 
 @pytest.fixture
-def cloud(monkeypatch: pytest.MonkeyPatch) -> Iterator[aws.Account]:
-    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
-        monkeypatch.setenv(name, "test")
-    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+def cloud() -> Iterator[aws.Account]:
     with account():
         yield aws.Account("one", "us-east-1")
 
