@@ -64,6 +64,7 @@ ROLE = parse(ROOT / "infra/deploy/role.yaml")["Resources"]
 POLICIES = {n: r["Properties"] for n, r in ROLE.items() if r["Type"] == "AWS::IAM::ManagedPolicy"}
 BOUNDARY = POLICIES["Boundary"]
 STATEMENTS = [s for p in POLICIES.values() if p is not BOUNDARY for s in p["PolicyDocument"]["Statement"]]
+ALLOWED = {a for s in STATEMENTS if s["Effect"] == "Allow" for a in s["Action"]}
 BY_SID = {statement["Sid"]: statement for statement in STATEMENTS}
 
 
@@ -86,7 +87,7 @@ def test_role_names_actions_and_the_stack_s_resources() -> None:
     for statement in STATEMENTS:
         if statement["Effect"] == "Deny":
             continue
-        actions = listed(statement["Action"])
+        actions = statement["Action"]
         assert all(re.fullmatch(r"[a-z0-9]+:[A-Za-z0-9]+", action) for action in actions), statement["Sid"]
         if statement["Resource"] == "*":
             assert set(actions) <= UNSCOPED or "Condition" in statement, statement["Sid"]
@@ -120,7 +121,6 @@ def test_every_managed_policy_of_the_stack_may_be_attached() -> None:
 
 
 def test_every_handler_of_the_stack_s_resources_is_allowed() -> None:
-    allowed = {a for s in STATEMENTS if s["Effect"] == "Allow" for a in listed(s["Action"])}
     required = {
         *("route53:ChangeResourceRecordSets", "route53:ListResourceRecordSets", "route53:GetHostedZone"),
         *("route53:GetChange", "cloudfront:AllowVendedLogDeliveryForResource"),
@@ -128,7 +128,7 @@ def test_every_handler_of_the_stack_s_resources_is_allowed() -> None:
     for kind in {resource["Type"] for resource in created().values()}:
         required |= handler_actions(kind)
     assert len(required) > 300
-    assert sorted(action for action in required - allowed - UNREAD if is_of_the_stack(action)) == []
+    assert sorted(action for action in required - ALLOWED - UNREAD if is_of_the_stack(action)) == []
 
 
 def is_of_the_stack(action: str) -> bool:
@@ -151,9 +151,8 @@ def handler_actions(kind: str) -> set[str]:
 
 
 def test_no_version_of_an_object_can_be_removed() -> None:
-    actions = [a for s in STATEMENTS if s["Effect"] == "Allow" for a in listed(s["Action"])]
-    assert not [a for a in actions if fnmatch.fnmatchcase("s3:DeleteObjectVersion", a)]
-    removing = [s for s in STATEMENTS if "s3:DeleteObject" in listed(s["Action"])]
+    assert not [a for a in ALLOWED if fnmatch.fnmatchcase("s3:DeleteObjectVersion", a)]
+    removing = [s for s in STATEMENTS if "s3:DeleteObject" in s["Action"]]
     places = [r["Fn::Sub"].rpartition(":::")[2] for s in removing for r in listed(s["Resource"])]
     key = camera_key(smoke_capture.CAMERA, "X11; Linux x86_64")
     data = [place for place in places if "keypointbucket" in place or "replica" in place]
@@ -173,7 +172,7 @@ def test_every_role_of_the_stack_has_the_boundary() -> None:
 
 def test_boundary_allows_what_the_roles_are_given() -> None:
     """Without the wildcards of AWS's own policies: they stand for these actions."""
-    allowed = {a for s in BOUNDARY["PolicyDocument"]["Statement"] for a in listed(s["Action"])}
+    allowed = {a for s in BOUNDARY["PolicyDocument"]["Statement"] for a in s["Action"]}
     granted = [s for resource in created().values() for d in documents(resource) for s in d["Statement"]]
     given = {action for statement in granted for action in listed(statement["Action"])}
     of_aws = {
@@ -206,15 +205,14 @@ def test_roles_are_made_and_changed_with_the_boundary_only() -> None:
     boundary = BOUNDARY["ManagedPolicyName"]["Fn::Sub"]
     found = set()
     for statement in STATEMENTS:
-        if statement["Effect"] == "Allow" and (actions := granting & set(listed(statement["Action"]))):
+        if statement["Effect"] == "Allow" and (actions := granting & set(statement["Action"])):
             required = statement["Condition"]["StringEquals"]["iam:PermissionsBoundary"]["Fn::Sub"]
             assert required.endswith(f":policy/{boundary}"), statement["Sid"]
             found |= actions
     assert found == granting
     denied = BY_SID["NotItself"]["Resource"]
     assert any(resource["Fn::Sub"].endswith(f":policy/{boundary}") for resource in denied)
-    actions = [a for s in STATEMENTS for a in listed(s["Action"])]
-    assert "iam:DeleteRolePermissionsBoundary" not in actions
+    assert "iam:DeleteRolePermissionsBoundary" not in ALLOWED
 
 
 def test_policies_fit_into_iam() -> None:
