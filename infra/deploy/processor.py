@@ -7,7 +7,6 @@ kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
 
 import sys
 import time
-from collections.abc import Callable
 
 import numpy as np
 
@@ -31,12 +30,12 @@ def workload() -> None:
         fit(views, _IMG_SIZE, board_shape=False)
 
 
-def measure(compute: Callable[[], None] = workload, runs: int = _RUNS) -> float:
+def measure() -> float:
     """Measure the least processor time of several runs, s."""
     times = []
-    for _ in range(runs):
+    for _ in range(_RUNS):
         begun = time.process_time()
-        compute()
+        workload()
         times.append(time.process_time() - begun)
     return min(times)
 

@@ -93,18 +93,12 @@ def test_reserved_concurrency_leaves_a_hundred(limit: int, problems: int) -> Non
     for complaint in complaints:
         assert f"{limit} concurrent executions" in complaint
         assert "SubmitConcurrency=0 RefitConcurrency=0" in complaint
+    # What the stack has reserved already is its own.
+    others = {"LookupConcurrency": "100", "PoseConcurrency": "50", "ComputeConcurrency": "20"}
+    kept = {**TARGET.parameters, **others}
+    assert found(status="CREATE_COMPLETE", parameters=kept, limit=270, unreserved=100) == []
     none = with_parameters(**dict.fromkeys(account_check.RESERVED, "0"))
     assert found(none, limit=10, unreserved=10) == []
-
-
-def test_concurrency_that_the_stack_has_reserved_already_is_its_own() -> None:
-    kept = {
-        **TARGET.parameters,
-        "LookupConcurrency": "100",
-        "PoseConcurrency": "50",
-        "ComputeConcurrency": "20",
-    }
-    assert found(status="CREATE_COMPLETE", parameters=kept, limit=270, unreserved=100) == []
 
 
 def test_account_that_cloudfront_does_not_serve_yet_is_told_so() -> None:

@@ -123,15 +123,12 @@ def test_step_back_points_aliases_at_the_version_before() -> None:
 
 
 def test_failed_resources_of_the_newest_stack_are_read() -> None:
-    stacks = [("mine", "old"), ("mine", "new"), ("other", "other")]
     summaries = [
         {"StackName": name, "StackId": identity, "CreationTime": time}
-        for time, (name, identity) in enumerate(stacks)
+        for time, (name, identity) in enumerate([("mine", "old"), ("mine", "new"), ("other", "other")])
     ]
-    events = [
-        {"LogicalResourceId": "A", "ResourceStatus": "CREATE_COMPLETE"},
-        {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"},
-    ]
+    failed = {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"}
+    events = [{"LogicalResourceId": "A", "ResourceStatus": "CREATE_COMPLETE"}, failed]
     cloudformation = paged({"StackSummaries": summaries}, describe_stack_events={"StackEvents": events})
     assert with_clients(cloudformation).failures() == ["B: why"]
     cloudformation.describe_stack_events.assert_called_once_with(StackName="new")
