@@ -1,6 +1,5 @@
 """The operator's command line for programs and people."""
 
-import io
 import json
 import os
 import subprocess
@@ -14,18 +13,13 @@ from calibsolver import formats
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.data import ROOT
-from tests.helpers.service.commands import Operator
+from tests.helpers.service.commands import Operator, Terminal
 from tests.helpers.service.index_items import items
 from tests.helpers.service.published import calibration, publish
 from tests.helpers.solver.export_sources import subject
 
 WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]
 KEY = calibration("Plotted 1234", 0).camera_key
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,7 @@ import typer
 
 from infra.console import Output, announce, confirm, format_duration, track
 from tests.helpers.clock import Clock
-
-
-class Terminal(io.StringIO):
-    """A stream that is a terminal."""
-
-    def isatty(self) -> bool:
-        return True
+from tests.helpers.service.commands import Terminal
 
 
 def write(as_json: bool) -> None:
