@@ -86,7 +86,6 @@ def elsewhere(_: str, __: str, heard: httpx.Response) -> httpx.Response:
         (without("content-security-policy", "/calibrate/"), "no content-security-policy"),
         (answering(503, ("GET", "/healthz")), "GET /healthz: 503, not 200"),
     ],
-    ids=["preflight", "its headers", "sdk", "page token", "guidance", "double slash", "policy", "health"],
 )
 def test_each_thing_that_is_missing_is_found(address: str, change: Change, complaint: str) -> None:
     assert any(complaint in problem for problem in found(address, change))
