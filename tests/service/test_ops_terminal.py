@@ -143,7 +143,6 @@ def test_each_of_several_files_is_stored_or_refused_by_itself(tmp_path: Path) ->
 @pytest.mark.parametrize(
     "arguments",
     [[], ["token", "rotate", "x", "--grace", "-1"]],
-    ids=" ".join,
 )
 def test_wrong_command_line_exits_with_two(arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -110,7 +110,6 @@ def test_step_back_points_aliases_at_the_version_before() -> None:
     lambda_ = paged({"Versions": versions}, get_alias={"FunctionVersion": "9"})
     assert with_clients(cloudformation, lambda_).step_back() == {"lookup": ("9", "7")}
     lambda_.get_alias.assert_called_once_with(FunctionName="lookup", Name="live")
-    lambda_.get_paginator().paginate.assert_called_once_with(FunctionName="lookup")
     lambda_.update_alias.assert_called_once_with(
         FunctionName="lookup",
         Name="live",
