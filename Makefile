@@ -77,10 +77,6 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 	@$(PY) -m infra.deploy.package .build/template.yaml
 	.venv/bin/cfn-lint .build/template.yaml
 
-# The role that deploys, in CloudFormation's own form
-.build/role.yaml: infra/deploy/role.yaml | .venv/.made
-	@$(PY) -m infra.deploy.package --role $@
-
 .prettier:
 	npx --no-install prettier --check --log-level warn '{web,infra,tests}/**/*.{js,mjs}'
 

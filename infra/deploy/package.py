@@ -16,7 +16,6 @@ from infra.web_build.site_headers import CONTENT_SECURITY_POLICY
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
-ROLE = ROOT / "infra" / "deploy" / "role.yaml"
 DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
 FRAGMENTS = (
@@ -39,12 +38,6 @@ _ALARM = {
     "AlarmActions": [{"Ref": "AlarmTopic"}],
 }
 _REFERENCE = re.compile(r'(?:"Ref": "|\$\{)(\w+)["}]')  # in a template as JSON: `!Ref` and `!Sub`
-_RUNBOOK = ROOT / "docs" / "operations.md"
-# Sections of fragments with named configurations: type of their resources, and the property that has one
-_NAMED = {
-    "CachePolicies": ("AWS::CloudFront::CachePolicy", "CachePolicyConfig"),
-    "HeaderPolicies": ("AWS::CloudFront::ResponseHeadersPolicy", "ResponseHeadersPolicyConfig"),
-}
 # Folders of code, and where they are from the folder of `TEMPLATE`
 _PLACES = {"functions/": "../../functions/", "infra/": "../../infra/", "layers/": "../layers/"}
 
@@ -79,26 +72,15 @@ def complete_template() -> Template:
 
 
 def _resources(fragment: Template) -> Template:
-    resources: Template = fragment["Resources"]
-    alarms = fragment.get("Alarms", {})
-    meanings = _meanings() if alarms else {}
-    for name, alarm in alarms.items():
-        alarm["AlarmDescription"] = meanings[name]
+    resources: Template = dict(fragment["Resources"])
+    for name, alarm in fragment.get("Alarms", {}).items():
         condition = {"Condition": alarm.pop("Condition")} if "Condition" in alarm else {}
         resources[name] = {"Type": "AWS::CloudWatch::Alarm", **condition, "Properties": _ALARM | alarm}
-    for section, (kind, place) in _NAMED.items():
-        for name, configuration in fragment.get(section, {}).items():
-            own = configuration["Name"]
-            configuration["Name"] = {"Fn::Sub": f"${{AWS::StackName}}-${{AWS::Region}}-{own}"}
-            resources[name] = {"Type": kind, "Properties": {place: configuration}}
+    for name, statements in fragment.get("Policies", {}).items():
+        allowed = [{"Effect": "Allow", **statement} for statement in statements]
+        document = {"Version": "2012-10-17", "Statement": allowed}
+        resources[name] = {"Type": "AWS::IAM::ManagedPolicy", "Properties": {"PolicyDocument": document}}
     return resources
-
-
-def _meanings() -> dict[str, str]:
-    """Read the meaning of each alarm in the table of the runbook."""
-    text = _RUNBOOK.read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `(\w+Alarm)` \| (.+?) \|", text, re.MULTILINE)
-    return {name: re.sub("[`*]", "", meaning) for name, meaning in rows}
 
 
 def package_template(complete: Template, release: str = UNRELEASED, *, traced: bool = False) -> Template:
@@ -162,12 +144,10 @@ def _edge_function(path: Path, pages: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the complete template to the file named, for programs that check it; or that of the role."""
+    """Write the complete template to the file named, for programs that check it."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.package", description=main.__doc__)
     parser.add_argument("file", type=Path)
-    parser.add_argument("--role", action="store_true")
-    options = parser.parse_args(arguments)
-    write_template(parse(ROLE) if options.role else complete_template(), options.file)
+    write_template(complete_template(), parser.parse_args(arguments).file)
     return 0
 
 
