@@ -135,7 +135,7 @@ kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: export PYTHONPATH := $(PYTHONPATH):clients/python
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,contributors,real-contributors,rigs,frc,keys,estimates,first-views,load,memory,capacity,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,real-contributors,rigs,frc,keys,estimates,load,memory,capacity,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
