@@ -123,6 +123,12 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
     return node
 
 
+def node(operation: Operation) -> Node:
+    """Return the description of a call in the document."""
+    described: Node = document()["paths"][operation.path][operation.method]
+    return described
+
+
 def text() -> str:
     """Return the file's content."""
     return json.dumps(document(), indent=1, ensure_ascii=False) + "\n"

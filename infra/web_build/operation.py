@@ -38,6 +38,10 @@ _GROUPS = {
 }
 """Groups by the beginnings of paths; all other calls are of the database."""
 
+TOKEN = "cdb_dev_local"  # noqa: S105 - that of local stacks; pages put the visitor's in its place
+CREDENTIALS = {"apiToken": TOKEN, "sessionId": "SESSION_ID", "managementToken": "MANAGEMENT_TOKEN"}
+"""Placeholders of credentials in examples, by their names in the OpenAPI document."""
+
 PROBLEMS = {
     400: "The body is not JSON.",
     401: "No credential was sent.",
@@ -92,6 +96,27 @@ class Operation:
     def tag(self) -> str:
         """Name of the group, one of `TAGS`."""
         return next((tag for start, tag in _GROUPS.items() if self.path.startswith(start)), "Database")
+
+    @property
+    def signature(self) -> str:
+        """Method and path."""
+        return f"{self.method.upper()} {self.path}"
+
+    @property
+    def example_values(self) -> Mapping[str, str]:
+        """Values of the example's parameters, without those of ids."""
+        return {**self.example_query, **self.example_path}
+
+    @property
+    def example_address(self) -> str:
+        """Path of the example, with placeholders of ids."""
+        identity = "RIG_ID" if self.tag == "Rigs" else "CALIBRATION_ID"
+        return self.path.format(**{"id": identity, "key": "CAMERA_KEY", **self.example_path})
+
+    @property
+    def example_credential(self) -> str | None:
+        """Placeholder of the example's credential."""
+        return next((CREDENTIALS[name] for name in self.credentials if name in CREDENTIALS), None)
 
     @property
     def all_problems(self) -> set[int]:

@@ -17,11 +17,11 @@ import pytest
 from calibdb_client import Board, session
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build import recorded_examples
-from infra.web_build.docs.samples import samples
-from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
+from infra.web_build.docs.templates import samples
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
-from infra.web_build.recorded_examples import CALIBRATIONS
+from infra.web_build.operation import TOKEN
+from infra.web_build.operations import EXAMPLE_CAMERA
+from infra.web_build.recorded_examples import CALIBRATIONS, CALLS, SCENARIO, fill_in, learn
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, blocks, sources
 from tests.helpers.marks import thorough
@@ -132,21 +132,21 @@ def parted(said: str) -> tuple[int, str]:
 @pytest.mark.parametrize("languages", ["fetch python", *thorough("fetch", "python", "curl")])
 def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, languages: str) -> None:
     """Each call in the next of the languages."""
-    expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
+    expected = {name: min(operation.answers) for name, operation in CALLS.items()}
     assert set(SCENARIO) == set(expected), "every call has an example"
     values = {}
     with contextlib.ExitStack() as stack:
         run_sample = {language: stack.enter_context(runner(language)) for language in languages.split()}
-        for call, language in zip(calls(), itertools.cycle(run_sample), strict=False):
-            site.prepare_call(call.name, values)
-            code = fill_in(samples(call)[language], values).replace(SITE, site.stack.url)
+        for name, language in zip(SCENARIO, itertools.cycle(run_sample), strict=False):
+            site.prepare_call(name, values)
+            code = fill_in(samples(CALLS[name])[language], values).replace(SITE, site.stack.url)
             status, body = run_sample[language](code)
-            assert status in (None, expected[call.name]), (call.name, body)
-            example = EXAMPLES[call.name]
+            assert status in (None, expected[name]), (name, body)
+            example = EXAMPLES[name]
             if isinstance(example, dict):
                 answer = json.loads(body)
-                assert set(answer) == set(example), f"{call.name}: make .build/examples.json"
-                learn(values, call.name, answer)
+                assert set(answer) == set(example), f"{name}: make .build/examples.json"
+                learn(values, name, answer)
 
 
 def code_of(source: str, language: str) -> list[str]:

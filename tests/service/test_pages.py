@@ -19,11 +19,12 @@ from tests.helpers.service.client import until
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     place = tmp_path_factory.mktemp("pages")
     web = place / "web"
-    for folder in ("calibrate", "lib", "sdk"):
+    for folder in ("calibrate", "lib", "sdk", "templates"):
         (web / folder).mkdir(parents=True)
     (web / "index.html").write_text("<!doctype html>home")
     (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
     (web / "lib" / "detector.worker.js").write_text("self.x = 1")
+    (web / "templates" / "page.html").write_text("{{ title }}")
     names = ("sdk/calibdb.js", "openapi.json", "sdk.mjs", "opencv.wasm", "app.webmanifest", "font.woff2")
     for name in names:
         (web / name).write_bytes(b"\0asm" * 1000)
@@ -99,9 +100,12 @@ def test_folders_have_an_index_and_a_slash(client: httpx.Client) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent", "/%00", f"/{'a' * 300}/b"],
+    [
+        *("/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent", "/%00"),
+        *(f"/{'a' * 300}/b", "/templates/page.html", "/lib/../templates/page.html"),
+    ],
 )
-def test_nothing_outside_the_folder_is_found(client: httpx.Client, path: str) -> None:
+def test_nothing_outside_the_folder_and_no_template_is_found(client: httpx.Client, path: str) -> None:
     request = client.build_request("GET", "/")
     request.url = request.url.copy_with(raw_path=path.encode())
     assert client.send(request).status_code == 404

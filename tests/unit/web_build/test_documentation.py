@@ -31,7 +31,7 @@ def rendered(source: str) -> tuple[set[str], list[str]]:
     """Anchors of a document, and targets of its links."""
     targets: list[str] = []
     document = markdown.render((ROOT / source).read_text(), targets.append)
-    return {each.anchor for each in document.headings}, targets
+    return {each.anchor for each in document.sections}, targets
 
 
 @pytest.mark.parametrize("source", MARKDOWN)

@@ -54,7 +54,7 @@ def test_one_head_header_and_footer_on_all_pages() -> None:
             assert page.count(once) == 1, (key, once)
         assert page.count('class="skip"') == 1, key
         assert page.count('class="page"') == page.count('<footer class="foot">'), key
-        navigations = page.count('<header class="masthead">') + page.count('<nav class="site"')
+        navigations = page.count('<header class="masthead">') + page.count(' class="site"')
         assert navigations == page.count('<details class="menu">'), key
 
 
