@@ -190,7 +190,7 @@ CALLS := $(wildcard functions/*/*.py layers/service/calibdb/schema/*.py infra/we
 .build/examples.json: .venv/.made $(CALLS)
 	@$(PY) -m infra.web_build.recorded_examples
 
-.build/openapi.json: .build/examples.json $(CALLS)
+.build/openapi.json: .build/examples.json web/templates/docs/calls.md $(CALLS)
 	@mkdir -p $(@D)
 	@$(PY) -m infra.web_build.openapi $@
 

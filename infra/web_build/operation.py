@@ -3,8 +3,11 @@
 Parameters of a query are generated from the pydantic models that the functions parse queries with.
 """
 
+import functools
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -12,6 +15,7 @@ from pydantic import AliasChoices, BaseModel
 
 from calibdb.http.call import MAX_BODY_BYTES
 
+_TEXTS_PATH = Path(__file__).resolve().parents[2] / "web" / "templates" / "docs" / "calls.md"
 Node = dict[str, Any]
 JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
 SVG = "image/svg+xml"
@@ -79,14 +83,12 @@ class Operation:
     method: Literal["get", "post", "patch", "delete"]
     path: str
     name: str
-    summary: str
     answers: dict[int, Content]
     credentials: tuple[str, ...] = ()
     body: type[BaseModel] | None = None
     parameters: tuple[Node, ...] = ()
     problems: tuple[int, ...] = ()  # besides those of every call, of a credential and of a body
     body_required: bool = True
-    description: str = ""
     example: Any = None  # body of a request
     example_query: Mapping[str, str] = field(default_factory=dict)
     example_path: Mapping[str, str] = field(default_factory=dict)
@@ -96,6 +98,16 @@ class Operation:
     def tag(self) -> str:
         """Name of the group, one of `TAGS`."""
         return next((tag for start, tag in _GROUPS.items() if self.path.startswith(start)), "Database")
+
+    @property
+    def summary(self) -> str:
+        """Summary of the call, one line."""
+        return _texts()[self.name][0]
+
+    @property
+    def description(self) -> str:
+        """Description of the call, in Markdown."""
+        return _texts()[self.name][1]
 
     @property
     def signature(self) -> str:
@@ -127,6 +139,17 @@ class Operation:
         if self.body:
             problems |= {400, 413, 422}
         return problems - self.answers.keys()
+
+
+@functools.cache
+def _texts() -> dict[str, list[str]]:
+    """Summary and description of each call, by name."""
+    _, *sections = re.split(r"^## (\w+)$", _TEXTS_PATH.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    paragraphs = [text.strip().split("\n\n") for text in sections[1::2]]
+    return {
+        name: [" ".join(each.split()) for each in parts]
+        for name, parts in zip(sections[::2], paragraphs, strict=True)
+    }
 
 
 SWITCH: Node = {"type": "string", "enum": ["0", "1", "false", "true"]}

@@ -25,7 +25,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from infra.web_build.docs.catalog import ENTRIES
 from infra.web_build.sdk import SiteError, run_node, sdk_files
 
 ROOT = Path(__file__).parents[2]
@@ -41,7 +40,7 @@ _MAX_CACHED = 16
 _ANY_ORIGIN = "https://origin.invalid"
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 _MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
-_INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
+_INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml", ".txt")
 
 
 @dataclass(frozen=True)
@@ -161,6 +160,8 @@ def _state(web: Path) -> str:
 
 def _inputs(web: Path) -> Iterator[str]:
     """Paths as texts: they are walked with every page."""
+    from infra.web_build.docs.catalog import ENTRIES  # here: a wheel has no catalog
+
     for folder in (web, ROOT / "docs", Path(__file__).parent, _MODELS):
         for place, folders, names in os.walk(folder):
             folders[:] = sorted(name for name in folders if name != "vendor")

@@ -13,7 +13,7 @@ from tests.helpers.service.client import Client, Truth
 from tests.helpers.service.remote import Remote
 from tests.helpers.stack.processes import LocalProcess, environment_of, without_checkout
 
-NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "mangum", "moto")
+NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "jinja2", "mangum", "moto")
 
 
 @pytest.fixture(scope="module")
