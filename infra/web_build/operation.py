@@ -15,7 +15,7 @@ from pydantic import AliasChoices, BaseModel
 
 from calibdb.http.call import MAX_BODY_BYTES
 
-_TEXTS_PATH = Path(__file__).resolve().parents[2] / "web" / "templates" / "docs" / "calls.md"
+_TEXTS = Path(__file__).resolve().parents[2] / "web" / "templates" / "docs"
 Node = dict[str, Any]
 JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
 SVG = "image/svg+xml"
@@ -102,12 +102,12 @@ class Operation:
     @property
     def summary(self) -> str:
         """Summary of the call, one line."""
-        return _texts()[self.name][0]
+        return texts("calls.md")[self.name][0]
 
     @property
     def description(self) -> str:
         """Description of the call, in Markdown."""
-        return _texts()[self.name][1]
+        return texts("calls.md")[self.name][1]
 
     @property
     def signature(self) -> str:
@@ -142,13 +142,13 @@ class Operation:
 
 
 @functools.cache
-def _texts() -> dict[str, list[str]]:
-    """Summary and description of each call, by name."""
-    _, *sections = re.split(r"^## (\w+)$", _TEXTS_PATH.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    paragraphs = [text.strip().split("\n\n") for text in sections[1::2]]
+def texts(name: str) -> dict[str, list[str]]:
+    """Return the paragraphs under each heading of `web/templates/docs/NAME`, in Markdown."""
+    _, *parts = re.split(r"^## (.+)$", (_TEXTS / name).read_text(encoding="utf-8"), flags=re.MULTILINE)
+    paragraphs = [part.strip().split("\n\n") for part in parts[1::2]]
     return {
-        name: [" ".join(each.split()) for each in parts]
-        for name, parts in zip(sections[::2], paragraphs, strict=True)
+        heading: [" ".join(each.split()) for each in below]
+        for heading, below in zip(parts[::2], paragraphs, strict=True)
     }
 
 

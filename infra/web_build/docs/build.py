@@ -15,7 +15,7 @@ from infra.web_build.docs.fields import body_rows
 from infra.web_build.docs.markdown import Document, Section
 from infra.web_build.docs.templates import SITE, render
 from infra.web_build.openapi import OPERATIONS
-from infra.web_build.operation import TAGS
+from infra.web_build.operation import TAGS, texts
 from infra.web_build.sdk import import_map
 
 SEARCH_KEY = f"{FOLDER}search.json"
@@ -25,9 +25,6 @@ _CALLS = {tag: [operation for operation in OPERATIONS if operation.tag == tag] f
 _EXAMPLES = ("three", "babylon", "aframe", "arjs", "stereo")
 _MAX_DESCRIPTION = 160  # characters
 _IMPORT_MAP = re.compile(r'(```html sdk-import-map\n<script type="importmap">\n).*?(\n</script>)', re.DOTALL)
-_PROBLEM = re.compile(
-    r'<dt id="([a-z-]+)"><code>\1</code> <span>(.*?)</span></dt>\s*<dd>(.*?)</dd>', re.DOTALL
-)
 
 
 def pages(web: Path) -> Mapping[str, str]:
@@ -43,8 +40,9 @@ def pages(web: Path) -> Mapping[str, str]:
         **{entry.key: _page(entry, document) for entry, document in documents},
         **dict(_reference()),
         f"{FOLDER}index.html": render("docs/home.html"),
+        f"{FOLDER}problems/index.html": render("docs/problems.html", problems=list(_problems())),
         **{f"examples/{name}/index.html": _example(web, name) for name in _EXAMPLES},
-        SEARCH_KEY: search_texts(web, documents),
+        SEARCH_KEY: search_texts(documents),
         **{path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in images},
     }
 
@@ -92,7 +90,14 @@ def _example(web: Path, name: str) -> str:
     return render(f"examples/{name}.html", folder=name, source=source)
 
 
-def search_texts(web: Path, documents: Sequence[tuple[Entry, Document]]) -> str:
+def _problems() -> Iterator[tuple[str, str, str]]:
+    """Yield kind, status with title, and explanation of each problem, which is HTML."""
+    for heading, paragraphs in texts("problems.md").items():
+        kind, _, status = heading.partition(": ")
+        yield kind, status, markdown.inline(paragraphs[0], lambda target: target)
+
+
+def search_texts(documents: Sequence[tuple[Entry, Document]]) -> str:
     """Return the sections of all documents as JSON: `[[address, page, title, text], …]`."""
     found = []
     for entry, document in documents:
@@ -103,9 +108,8 @@ def search_texts(web: Path, documents: Sequence[tuple[Entry, Document]]) -> str:
         title = f"{operation.signature}: {operation.summary}"
         section = Section(2, title, operation.name, [operation.description, *fields])
         found.append(_row(f"reference/{operation.tag.lower()}/", "API reference", section))
-    problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
-    for kind, status, text in _PROBLEM.findall(problems):
-        section = Section(2, f"{kind} ({unescape(status)})", kind, [unescape(re.sub("<[^>]+>", "", text))])
+    for kind, status, text in _problems():
+        section = Section(2, f"{kind} ({status})", kind, [unescape(re.sub("<[^>]+>", "", text))])
         found.append(_row("problems", "Problems", section))
     return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
 

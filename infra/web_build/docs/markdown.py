@@ -169,10 +169,10 @@ class _Renderer(RendererHTML):
         return "</td>\n" if self._empty else "</th>\n"
 
 
-def inline(text: str) -> str:
-    """Render one line of Markdown, without links."""
+def inline(text: str, link: Link = lambda _: None) -> str:
+    """Render one line of Markdown, by default without links."""
     tokens = _parser().parseInline(text)
     for token in tokens:
-        _mend(token, lambda _: None)
+        _mend(token, link)
     renderer: Any = _Renderer()
     return str(renderer.render(tokens, _parser().options, {}))
