@@ -17,7 +17,6 @@ import os
 import re
 import shutil
 import sys
-import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -25,7 +24,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from infra.web_build.sdk import SiteError, run_node, sdk_files
+from infra.web_build.sdk import SiteError, run_node, sdk_files, write_whole
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
@@ -69,7 +68,11 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
 
 def build_for_wheel(folder: Path) -> None:
     """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
-    for key, content in _make_files(WEB, _state(WEB)).items():
+    _write(folder, _make_files(WEB, _state(WEB)))
+
+
+def _write(folder: Path, files: Mapping[str, bytes]) -> None:
+    for key, content in files.items():
         (folder / key).parent.mkdir(parents=True, exist_ok=True)
         (folder / key).write_bytes(content)
 
@@ -135,11 +138,8 @@ def _build(web: Path) -> dict[str, str]:
 
 
 def _keep(place: Path, made: Mapping[str, str]) -> None:
-    """Write a file for other processes, whole or not at all; keep only the newest."""
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
-        json.dump(made, file)
-    Path(file.name).replace(place)
+    """Write a file for other processes; keep only the newest."""
+    write_whole(place, json.dumps(made).encode())
     with suppress(FileNotFoundError):  # another process removes old ones too
         oldest_first = sorted(place.parent.glob("*.json"), key=lambda path: path.stat().st_mtime_ns)
         for old in oldest_first[:-_MAX_CACHED]:
@@ -173,9 +173,7 @@ def _inputs(web: Path) -> Iterator[str]:
 def main(folder: Path) -> None:
     """Write the whole site to a folder."""
     shutil.copytree(WEB, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns(*SOURCE_FOLDERS))
-    for key, content in made_files().items():
-        (folder / key).parent.mkdir(parents=True, exist_ok=True)
-        (folder / key).write_bytes(content)
+    _write(folder, made_files())
 
 
 if __name__ == "__main__":
