@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 from infra.web_build.root_files import robots_text, security_text, shell, sitemap
 from infra.web_build.site import made_files
+from infra.web_build.site_headers import media_type
 
 SITE = "https://calibdb.example"
 
@@ -68,3 +69,10 @@ def test_the_version_is_that_of_the_contents(tmp_path: Path) -> None:
     page.write_text("one")
     assert first["version"] != second["version"]
     assert shell(tmp_path) == first
+
+
+def test_browsers_get_strict_media_types() -> None:
+    assert media_type("sdk.mjs") == "text/javascript; charset=utf-8"
+    assert media_type("opencv.wasm") == "application/wasm"
+    assert media_type("app.webmanifest") == "application/manifest+json"
+    assert media_type("font.woff2") == "font/woff2"
