@@ -9,7 +9,6 @@ import pytest
 from calibdb import schema
 from infra.web_build import openapi, site
 from tests.helpers.recordings import calibration_of
-from tests.helpers.service.known import consensus
 from tests.helpers.service.published import calibration
 
 SERVED = json.loads(site.made_files()["docs/schema/calibration-1.json"])
@@ -22,8 +21,6 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("kinds")
     calibration_of("opencv_left").calibration.save(folder / "offline.json")
     document = calibration("Camera of a schema", 0)
-    pooled = consensus().calibration
-    assert pooled is not None
     examples = json.loads(openapi.EXAMPLES_PATH.read_text(encoding="utf-8"))
     return {
         "offline": json.loads((folder / "offline.json").read_text(encoding="utf-8")),
@@ -31,9 +28,8 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "stored": schema.ReportedCalibration(**dict(document.answer()), board=document.board).model_dump(
             mode="json"
         ),
-        "consensus": schema.ReportedCalibration(**dict(pooled)).model_dump(mode="json"),
         "looked up": examples["lookup"],
-        "read": examples["showCalibration"],
+        "read, a consensus": examples["showCalibration"],
         "checked": examples["checkCalibration"]["calibration"],
     }
 
