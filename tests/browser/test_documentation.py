@@ -38,7 +38,7 @@ CAMERAS = f"""
 @pytest.fixture(scope="module")
 def token(stack: str) -> dict[str, Any]:
     made = httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}, timeout=60)
-    assert made.status_code == 201, made.text
+    made.raise_for_status()
     return made.json()
 
 

@@ -107,7 +107,7 @@ def search_texts(documents: Sequence[tuple[Entry, Document]]) -> str:
         fields = [f"{row.name} {row.text}" for row in body_rows(openapi.node(operation))]
         title = f"{operation.signature}: {operation.summary}"
         section = Section(2, title, operation.name, [operation.description, *fields])
-        found.append(_row(f"reference/{operation.tag.lower()}/", "API reference", section))
+        found.append(_row(f"reference/{operation.tag.lower()}", "API reference", section))
     for kind, status, text in _problems():
         section = Section(2, f"{kind} ({status})", kind, [unescape(re.sub("<[^>]+>", "", text))])
         found.append(_row("problems", "Problems", section))
