@@ -3,7 +3,6 @@
 Parameters of a query are generated from the pydantic models that the functions parse queries with.
 """
 
-import functools
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -141,7 +140,6 @@ class Operation:
         return problems - self.answers.keys()
 
 
-@functools.cache
 def texts(name: str) -> dict[str, list[str]]:
     """Return the paragraphs under each heading of `web/templates/docs/NAME`, in Markdown."""
     _, *parts = re.split(r"^## (.+)$", (_TEXTS / name).read_text(encoding="utf-8"), flags=re.MULTILINE)

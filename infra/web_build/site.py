@@ -24,6 +24,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
+from infra.web_build.docs.catalog import entries
 from infra.web_build.sdk import SiteError, run_node, sdk_files, write_whole
 
 ROOT = Path(__file__).parents[2]
@@ -160,13 +161,11 @@ def _state(web: Path) -> str:
 
 def _inputs(web: Path) -> Iterator[str]:
     """Paths as texts: they are walked with every page."""
-    from infra.web_build.docs.catalog import ENTRIES  # here: a wheel has no catalog
-
     for folder in (web, ROOT / "docs", Path(__file__).parent, _MODELS):
         for place, folders, names in os.walk(folder):
             folders[:] = sorted(name for name in folders if name != "vendor")
             yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))
-    documents = (entry.source for entry in ENTRIES if entry.source)
+    documents = (entry.source for entry in entries() if entry.source)
     yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", ".build/examples.json", *documents))
 
 

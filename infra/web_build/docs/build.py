@@ -10,7 +10,7 @@ from pathlib import Path
 
 from infra.web_build import openapi
 from infra.web_build.docs import catalog, markdown
-from infra.web_build.docs.catalog import ENTRIES, FOLDER, ROOT, Entry
+from infra.web_build.docs.catalog import FOLDER, ROOT, Entry
 from infra.web_build.docs.fields import body_rows
 from infra.web_build.docs.markdown import Document, Section
 from infra.web_build.docs.templates import SITE, render
@@ -48,7 +48,7 @@ def pages(web: Path) -> Mapping[str, str]:
 
 
 def _documents() -> Iterator[tuple[Entry, Document]]:
-    for entry in ENTRIES:
+    for entry in catalog.entries():
         if entry.source:
             text = (ROOT / entry.source).read_text(encoding="utf-8")
             text = _IMPORT_MAP.sub(lambda match: match[1] + import_map(ROOT / "web", SITE) + match[2], text)

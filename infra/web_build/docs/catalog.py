@@ -1,5 +1,6 @@
 """Documents that the site shows under `/docs/`, and where each lies."""
 
+import itertools
 import json
 import posixpath
 from dataclasses import dataclass
@@ -41,16 +42,18 @@ class Entry:
         return f"/{FOLDER}{self.slug}/"
 
 
-GROUPS = {
-    name: tuple(Entry(**each) for each in documents)
-    for name, documents in json.loads(_CATALOG.read_text(encoding="utf-8")).items()
-}
-"""Documents by group, in the order of the navigation."""
+def groups() -> dict[str, list[Entry]]:
+    """Return the documents by group, in the order of the navigation.
 
-ENTRIES = tuple(entry for group in GROUPS.values() for entry in group)
-NAVIGATION = {name: entries for name, entries in GROUPS.items() if name != "contributors"}
-"""Groups in the navigation; the page *Contributing* links to the documents for contributors."""
-_BY_SOURCE = {entry.source: entry for entry in ENTRIES if entry.source}
+    That omits the group `contributors`, to which the page *Contributing* links.
+    """
+    catalog = json.loads(_CATALOG.read_text(encoding="utf-8"))
+    return {name: [Entry(**each) for each in documents] for name, documents in catalog.items()}
+
+
+def entries() -> list[Entry]:
+    """Return all documents."""
+    return list(itertools.chain(*groups().values()))
 
 
 def address(source: str, target: str) -> str | None:
@@ -63,8 +66,9 @@ def address(source: str, target: str) -> str | None:
         return target
     path = posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path))
     anchor = f"#{parts.fragment}" if parts.fragment else ""
-    if path in _BY_SOURCE:
-        return _BY_SOURCE[path].address + anchor
+    for entry in entries():
+        if entry.source == path:
+            return entry.address + anchor
     if path == "README.md":
         return f"/{FOLDER}"
     if path.startswith("docs/images/"):

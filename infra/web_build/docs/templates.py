@@ -7,7 +7,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
-from infra.web_build.docs.catalog import NAVIGATION, ROOT
+from infra.web_build.docs.catalog import ROOT, groups
 from infra.web_build.docs.fields import body_rows, parameter_rows, rows
 from infra.web_build.docs.markdown import Section, code_block, inline
 from infra.web_build.operation import JSON, TOKEN, Operation
@@ -24,7 +24,10 @@ def render(template: str, key: str = "", sections: Sequence[Section] = (), **val
     the site's address and the visitor's token into its code.
     """
     page = _TEMPLATES.get_template(template).render(
-        navigation=NAVIGATION, key=key, sections=sections, **{"uses_service": False, **values}
+        navigation={name: entries for name, entries in groups().items() if name != "contributors"},
+        key=key,
+        sections=sections,
+        **{"uses_service": False, **values},
     )
     return re.sub("<pre.*?</pre>", _fill, page, flags=re.DOTALL) if values.get("uses_service") else page
 

@@ -13,7 +13,7 @@ from calibdb.access.plans import PLANS
 from infra.web_build import site
 from infra.web_build.docs import markdown
 from infra.web_build.docs.build import NOT_SEARCHED, SEARCH_KEY
-from infra.web_build.docs.catalog import ENTRIES, ROOT
+from infra.web_build.docs.catalog import ROOT, entries
 from infra.web_build.openapi import OPERATIONS
 
 MAX_PAGE_KB = 150
@@ -21,7 +21,7 @@ MARKDOWN = sorted(
     {
         *(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").glob("*.md")),
         *("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"),
-        *(entry.source for entry in ENTRIES if entry.source),
+        *(entry.source for entry in entries() if entry.source),
     }
 )
 
@@ -52,7 +52,7 @@ def test_every_link_of_a_document_leads_to_a_file_and_an_anchor(source: str) -> 
 
 
 def test_every_document_of_the_folder_is_on_the_site() -> None:
-    shown = {entry.source for entry in ENTRIES}
+    shown = {entry.source for entry in entries()}
     assert {path for path in MARKDOWN if path != "README.md"} <= shown
 
 
@@ -76,7 +76,7 @@ def test_search_knows_every_document_call_and_problem() -> None:
     made = site.made_files()
     addresses = {address for address, *_ in json.loads(made[SEARCH_KEY])}
     folders = {address.partition("/")[0] for address in addresses}
-    assert {entry.slug for entry in ENTRIES} - NOT_SEARCHED <= folders
+    assert {entry.slug for entry in entries()} - NOT_SEARCHED <= folders
     assert {f"reference/{call.tag.lower()}/#{call.name}" for call in OPERATIONS} <= addresses
     assert "problems/#quota" in addresses
     assert len(gzip.compress(made[SEARCH_KEY])) < 120_000, "fetched when somebody begins to type"
