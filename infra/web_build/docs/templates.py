@@ -14,6 +14,8 @@ from infra.web_build.operation import JSON, TOKEN, Operation
 
 SITE = "http://127.0.0.1:8000"
 """Address in all code; the pages put their own in its place."""
+_INDENTATION = re.compile(r"(<(pre|textarea)\b.*?</\2>)|\n\s+", re.DOTALL)
+"""Indentation of the templates, or a part of a page whose blanks are shown."""
 _MARKS = {SITE: "origin", TOKEN: "token"}
 
 
@@ -29,6 +31,7 @@ def render(template: str, key: str = "", sections: Sequence[Section] = (), **val
         sections=sections,
         **{"uses_service": False, **values},
     )
+    page = _INDENTATION.sub(lambda match: match[1] or "\n", page)
     return re.sub("<pre.*?</pre>", _fill, page, flags=re.DOTALL) if values.get("uses_service") else page
 
 
