@@ -127,6 +127,7 @@ def _build(web: Path) -> dict[str, str]:
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     code = project.get("urls", {}).get("Repository", "")
+    openapi.document.cache_clear()  # its texts may have changed
     generated = build.pages(web)
     task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "code": code}
     made = run_node("the site is", "node", str(_PAGE_BUILDER), text=json.dumps(task))
