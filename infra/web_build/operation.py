@@ -82,6 +82,7 @@ class Operation:
     method: Literal["get", "post", "patch", "delete"]
     path: str
     name: str
+    summary: str
     answers: dict[int, Content]
     credentials: tuple[str, ...] = ()
     body: type[BaseModel] | None = None
@@ -99,14 +100,9 @@ class Operation:
         return next((tag for start, tag in _GROUPS.items() if self.path.startswith(start)), "Database")
 
     @property
-    def summary(self) -> str:
-        """Summary of the call, one line."""
-        return texts("calls.md")[self.name][0]
-
-    @property
     def description(self) -> str:
         """Description of the call, in Markdown."""
-        return texts("calls.md")[self.name][1]
+        return texts("calls.md")[self.name][0]
 
     @property
     def signature(self) -> str:

@@ -1,6 +1,6 @@
 """The calls of the API: requests, responses and problems, for `infra.web_build.openapi`.
 
-Their summaries and descriptions are in `web/templates/docs/calls.md`.
+Their descriptions are in `web/templates/docs/calls.md`.
 
 In the example requests `SESSION_ID`, `MANAGEMENT_TOKEN`, `CALIBRATION_ID`, `RIG_ID` and `CAMERA_KEY` stand
 for values from earlier responses. `infra.web_build.recorded_examples` sends the requests and records the
@@ -100,6 +100,7 @@ _RIGS = (
         "post",
         "/v1/rigs",
         "createRig",
+        "Make a rig whose first camera is the session's; again gives a fresh join code",
         {201: Content("The rig, and the code by which other cameras join it.", schema.RigOpened)},
         _SESSION,
         schema.RigRequest,
@@ -110,6 +111,7 @@ _RIGS = (
         "get",
         "/v1/rigs/{id}",
         "showRig",
+        "Cameras, moments, error, target and result of a rig",
         {200: _RIG_STATE, 304: Content("Nothing has changed since the state with the ETag sent.")},
         ("sessionId", "apiToken"),
         parameters=(_RIG_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
@@ -119,6 +121,7 @@ _RIGS = (
         "delete",
         "/v1/rigs/{id}",
         "forgetRig",
+        "Delete a running rig and its sessions",
         {204: Content("Forgotten.")},
         _SESSION,
         parameters=(_RIG_ID,),
@@ -128,6 +131,7 @@ _RIGS = (
         "post",
         "/v1/rigs/{id}/moments",
         "openMoment",
+        "Open a moment",
         {201: _RIG_STATE},
         _SESSION,
         schema.MomentRequest,
@@ -139,6 +143,7 @@ _RIGS = (
         "delete",
         "/v1/rigs/{id}/moments/{moment}",
         "undoMoment",
+        "Undo a moment in all cameras",
         {200: _RIG_STATE},
         _SESSION,
         parameters=(_RIG_ID, _MOMENT),
@@ -149,6 +154,7 @@ _RIGS = (
         "post",
         "/v1/rigs/{id}/finish",
         "finishRig",
+        "End a rig and publish its result",
         {200: _RIG_STATE},
         _SESSION,
         parameters=(_RIG_ID,),
@@ -158,6 +164,7 @@ _RIGS = (
         "get",
         "/v1/rigs/{id}/result",
         "showRigResult",
+        "Result of a finished rig, or another tool's files of it",
         {
             200: Content(
                 "Cameras and where they are; several files come as one ZIP archive.",
@@ -182,6 +189,7 @@ _TOKENS = (
         "post",
         "/v1/tokens",
         "createToken",
+        "Make an API token for pages of some origins, and for programs",
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
         body=schema.TokenRequest,
         problems=(403, 415, 429),
@@ -191,6 +199,7 @@ _TOKENS = (
         "get",
         "/v1/tokens/self",
         "showToken",
+        "Facts about a token, its limits, and its use by hour and day",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
     ),
@@ -198,6 +207,7 @@ _TOKENS = (
         "patch",
         "/v1/tokens/self",
         "changeToken",
+        "Give a token other origins or another name",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
         schema.TokenChange,
@@ -207,6 +217,7 @@ _TOKENS = (
         "delete",
         "/v1/tokens/self",
         "revokeToken",
+        "Revoke a token for good, within a minute",
         {204: Content("Revoked.")},
         _MANAGEMENT,
     ),
@@ -214,6 +225,7 @@ _TOKENS = (
         "post",
         "/v1/tokens/self/verify",
         "verifyToken",
+        "Look for the proofs of the origins that are pending",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
     ),
@@ -221,6 +233,7 @@ _TOKENS = (
         "post",
         "/v1/tokens/self/rotate",
         "rotateToken",
+        "Give a token another secret; without a body the one until now opens for a day more",
         {200: Content("The token with its new secret, shown this once.", schema.TokenRotated)},
         _MANAGEMENT,
         schema.RotationRequest,
@@ -231,6 +244,7 @@ _TOKENS = (
         "get",
         "/v1/usage",
         "showUsage",
+        "Limits and use of an API token in this hour",
         {200: Content("Limits and use.", schema.UsageAnswer)},
         _TOKEN,
     ),
@@ -241,6 +255,7 @@ OPERATIONS = (
         "post",
         "/v1/auth",
         "openSession",
+        "Exchange an API token for the credential of one guided capture",
         {201: Content("A session id, signed and short-lived.", schema.SessionOpened)},
         _TOKEN,
     ),
@@ -248,6 +263,7 @@ OPERATIONS = (
         "post",
         "/v1/session",
         "startSession",
+        "Start a guided capture",
         {201: _STATE},
         _SESSION,
         schema.SessionRequest,
@@ -258,6 +274,7 @@ OPERATIONS = (
         "get",
         "/v1/session",
         "showSession",
+        "State of a capture",
         {200: _STATE},
         _SESSION,
         problems=(404,),
@@ -266,6 +283,7 @@ OPERATIONS = (
         "delete",
         "/v1/session",
         "forgetSession",
+        "Delete a session and its views",
         {204: Content("Forgotten.")},
         _SESSION,
         problems=(404, 409),
@@ -274,6 +292,7 @@ OPERATIONS = (
         "get",
         "/v1/session/pose",
         "showPose",
+        "Target pose of the board",
         {
             200: Content(
                 "The board as the camera would see it there, black elsewhere; or the same in numbers.",
@@ -290,6 +309,7 @@ OPERATIONS = (
         "post",
         "/v1/session/views",
         "submitView",
+        "Submit a view: the corners in one frame",
         {200: Content("The session's state, and whether the view is part of it.", schema.ViewAnswer)},
         _SESSION,
         schema.ViewRequest,
@@ -300,6 +320,7 @@ OPERATIONS = (
         "post",
         "/v1/session/batch",
         "submitViews",
+        "Submit several views of a recorded session; each has a result",
         {200: Content("The session's state, and the results of the views.", schema.BatchAnswer)},
         _SESSION,
         schema.BatchRequest,
@@ -310,6 +331,7 @@ OPERATIONS = (
         "delete",
         "/v1/session/views/{index}",
         "undoView",
+        "Undo a view",
         {200: _STATE},
         _SESSION,
         parameters=(
@@ -322,6 +344,7 @@ OPERATIONS = (
         "post",
         "/v1/session/finish",
         "finishSession",
+        "End a session with the views that agree",
         {200: _STATE},
         _SESSION,
         problems=(404, 409),
@@ -330,6 +353,7 @@ OPERATIONS = (
         "post",
         "/v1/session/licence",
         "licenseSession",
+        "Add a licence to the views of a session",
         {200: _STATE},
         _SESSION,
         schema.LicenceRequest,
@@ -340,6 +364,7 @@ OPERATIONS = (
         "post",
         "/v1/lookup",
         "lookup",
+        "The calibration of a camera",
         _FOUND,
         _TOKEN,
         schema.LookupRequest,
@@ -350,6 +375,7 @@ OPERATIONS = (
         "get",
         "/v1/lookup",
         "visitLookup",
+        "The calibration of a camera, or a navigation to the guidance page",
         _FOUND,
         ("apiToken", "apiTokenInQuery", "apiTokenInOldQuery"),
         parameters=_LOOKUP,
@@ -365,6 +391,7 @@ OPERATIONS = (
         "get",
         "/v1/calibrations/{id}",
         "showCalibration",
+        "One stored calibration or consensus",
         {
             200: Content(
                 "The calibration, and what its session found out about it; or another tool's file. "
@@ -386,6 +413,7 @@ OPERATIONS = (
         "post",
         "/v1/convert",
         "convertFile",
+        "Another program's calibration file in another format",
         {
             200: Content(
                 "The file. Its camera matrix and distortion are read, and nothing is stored. " + _CONVERSION,
@@ -403,6 +431,7 @@ OPERATIONS = (
         "post",
         "/v1/checks",
         "checkCalibration",
+        "Check a consensus or a calibration against fresh views",
         {
             200: Content(
                 "Result of the check and the votes so far, or the comparison of `calibration`.",
@@ -419,6 +448,7 @@ OPERATIONS = (
         "get",
         "/v1/cameras",
         "searchCameras",
+        "Search cameras by name",
         {200: Content("The cameras found.", schema.CameraList)},
         _TOKEN,
         parameters=query_of(CamerasRequest),
@@ -429,6 +459,7 @@ OPERATIONS = (
         "get",
         "/v1/cameras/{key}",
         "showCamera",
+        "Everything about one camera",
         {200: Content("The camera, by size and zoom.", schema.CameraDetail)},
         _TOKEN,
         parameters=(path("key", "As a search returned it."),),
@@ -438,6 +469,7 @@ OPERATIONS = (
         "get",
         "/known/v1/{digest}/{size}/{zoom}/{file}",
         "lookupKnown",
+        "Cacheable lookup of a known camera",
         {
             200: Content("The calibration.", schema.LookupAnswer, headers=("ETag",)),
             404: Content("Ask by POST.", schema.UnknownCamera),
@@ -459,6 +491,7 @@ OPERATIONS = (
         "get",
         "/badge/{key}/{file}",
         "showBadge",
+        "Badge for a README",
         {200: Content("The badge; a grey one where nothing is known.", pictures=(SVG,))},
         parameters=(
             path("key", "As a search returned it."),
@@ -472,6 +505,7 @@ OPERATIONS = (
         "get",
         "/healthz",
         "health",
+        "State of the service",
         {
             200: Content("It is; with `deep=1`, so is every part.", schema.Health, other=schema.DeepHealth),
             503: Content("With `deep=1`: some part does not work.", schema.HealthProblem, media_type=PROBLEM),
