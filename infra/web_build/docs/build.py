@@ -18,6 +18,7 @@ from infra.web_build.openapi import OPERATIONS
 from infra.web_build.operation import TAGS, texts
 from infra.web_build.sdk import import_map
 
+PROBLEMS = f"{FOLDER}problems/index.html"
 SEARCH_KEY = f"{FOLDER}search.json"
 NOT_SEARCHED = frozenset({"changelog", "decisions", "development"})
 """Documents for contributors, and one that repeats, by version, what the others explain."""
@@ -40,7 +41,7 @@ def pages(web: Path) -> Mapping[str, str]:
         **{entry.key: _page(entry, document) for entry, document in documents},
         **dict(_reference()),
         f"{FOLDER}index.html": render("docs/home.html"),
-        f"{FOLDER}problems/index.html": render("docs/problems.html", problems=list(_problems())),
+        PROBLEMS: render("docs/problems.html", PROBLEMS, problems=list(_problems())),
         **{f"examples/{name}/index.html": _example(web, name) for name in _EXAMPLES},
         SEARCH_KEY: search_texts(documents),
         **{path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in images},
