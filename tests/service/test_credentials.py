@@ -39,11 +39,9 @@ def test_missing(client: Client, method: str, path: str, body: object, query: st
 
 
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
-@pytest.mark.parametrize(
-    "token", ["cdb_dev_wrong", "cdb_nobody_local", "cdb_dev", "x", "cdb_dev_local_", "é"]
-)
-def test_wrong_token(client: Client, method: str, path: str, body: object, query: str, token: str) -> None:
-    assert client.call(method, path, body, token=token, query=query).status == 403
+def test_wrong_token(running: Client, method: str, path: str, body: object, query: str) -> None:
+    for token in ("cdb_dev_wrong", "cdb_nobody_local", "cdb_dev", "cdb_dev_local_", "é", running.session_id):
+        assert running.call(method, path, body, token=token, query=query).status == 403
 
 
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
@@ -69,11 +67,6 @@ def test_nothing_tells_an_unknown_token_from_a_wrong_secret(
     assert met[0][-1] == ["GetItem"]
 
 
-@pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
-def test_a_session_id_is_no_token(running: Client, method: str, path: str, body: object, query: str) -> None:
-    assert running.call(method, path, body, token=running.session_id, query=query).status == 403
-
-
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_SESSION)
 def test_wrong_session_id(client: Client, method: str, path: str, body: object, query: str) -> None:
     opened = client.call("POST", "/v1/auth").json["session_id"]
@@ -90,13 +83,6 @@ def test_an_expired_session_id_says_so(stack: Server, client: Client) -> None:
     ):
         session_id, _ = SessionIds(secrets, clock).issue(Ticket("0" * 24, "dev"))
         assert client.call("GET", "/v1/session", token=session_id).problem == problem
-
-
-def test_a_session_id_signed_with_another_secret_is_refused(client: Client) -> None:
-    session_id, _ = SessionIds(["another secret of sufficient length"], time.time).issue(
-        Ticket("0" * 24, "dev")
-    )
-    assert client.call("GET", "/v1/session", token=session_id).status == 403
 
 
 def test_get_lookup_takes_the_token_in_its_query(client: Client) -> None:

@@ -110,3 +110,4 @@ def test_contributors_and_sources_are_keyed_hashes() -> None:
 )
 def test_a_source_is_an_address_or_a_site(one: str, other: str, *, same: bool) -> None:
     assert (source("key", one) == source("key", other)) is same
+    assert source("key", other).startswith("v6-") == other.startswith("2001:"), "votes count one family"
