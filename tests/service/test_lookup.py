@@ -124,21 +124,3 @@ def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> No
             answer = ask(stack, name)
             assert answer.status == status
     assert answer.json["detail"] == camera_match.SEVERAL
-
-
-def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
-    put(store, consensus(camera="Integrated Camera"))
-    assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
-    with variables_set(PUBLIC):
-        answer = ask(stack, "Integrated Camera", redirect=False)
-        assert (answer.status, "USB id" in answer.json["detail"]) == (404, True)
-
-
-def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) -> None:
-    label = "Cropped X5 (1111:0005)"
-    store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))
-    key = camera_key(label, LINUX)
-    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}")
-    assert shown.status == 200
-    detail = Client(stack).call("GET", f"/v1/cameras/{key}")
-    assert (detail.status, detail.json["modes"]) == (200, [])

@@ -1,5 +1,7 @@
 """One camera, one key; two cameras, two; and what cannot be told apart says so."""
 
+import json
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +11,7 @@ from calibdb.camera_key import PATTERN, camera_key, identify, public_label, publ
 from calibdb.camera_key.label import public_mode_name
 from calibdb.camera_key.system import with_device
 from calibdb.camera_key.virtual import _PROGRAMS
-from calibdb.schema import LookupRequest
+from calibdb.schema import LookupRequest, SessionRequest
 
 LINUX, WINDOWS, MAC = "X11; Linux x86_64", "Windows NT 10.0; Win64; x64", "Macintosh; Intel Mac OS X 10_15_7"
 IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
@@ -355,9 +357,11 @@ def test_device_of_a_tablet_that_poses_as_a_computer() -> None:
     assert identity.key == camera_key("Back Camera", "iPad; CPU OS 17_5 like Mac OS X; iPad14,3")
 
 
-def test_device_is_spelled_as_the_platform_is() -> None:
-    request = LookupRequest.model_validate(
-        {"camera": "0", "platform": "0", "img_size": [16, 16], "device": "0\U0002f800"}
-    )
+@pytest.mark.parametrize("model", [LookupRequest, SessionRequest])
+def test_device_is_spelled_as_the_platform_is(model: type[LookupRequest | SessionRequest]) -> None:
+    asked = {"camera": "0", "platform": "0", "img_size": [16, 16]}
+    request = model.model_validate_json(json.dumps({**asked, "device": "0\U0002f800"}))
     assert request.platform == "0; 0\u4e3d"
-    assert LookupRequest.model_validate_json(request.model_dump_json()) == request
+    assert model.model_validate_json(request.model_dump_json()) == request
+    with pytest.raises(ValidationError):
+        model.model_validate_json(json.dumps({**asked, "device": "<script>"}))

@@ -98,7 +98,9 @@ def test_generic_name_is_found_on_private_deployments_only() -> None:
     named = asked.identity.key
     index = {named: CameraRecords([], (with_id.key,)), with_id.key: CameraRecords([consensus()])}
     assert resolve(index, asked) == (named, None, 1)
+    assert camera_match.unanswerable_reason(asked, private=False) == camera_match.AMBIGUOUS
     assert resolve(index, asked, private=True)[0] == with_id.key
+    assert camera_match.unanswerable_reason(asked, private=True) is None
 
 
 def test_computable_model_is_an_answer() -> None:
