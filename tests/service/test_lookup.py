@@ -123,4 +123,6 @@ def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> No
             well_known_ids.refresh_well_known(store, camera_key(label, LINUX), rules)
             answer = ask(stack, name)
             assert answer.status == status
+        generic = ask(stack, "Integrated Camera")
     assert answer.json["detail"] == camera_match.SEVERAL
+    assert generic.json["detail"] == camera_match.AMBIGUOUS, "at home one knows which is meant"
