@@ -128,7 +128,7 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
 	CASES=$(or $(CASES),5000) FILES=$(or $(FILES),100000) SEED=$(or $(SEED),0) $(PYTEST) \
-		tests/service/test_openapi_fuzz.py tests/service/test_fuzz.py tests/service/test_foreign_files.py \
+		tests/service/test_openapi_fuzz.py tests/service/test_foreign_files.py \
 		tests/unit/service/schema/test_schema_fuzz.py tests/service/test_raw_requests.py
 
 kills fuzz:
