@@ -8,10 +8,12 @@ import re
 from typing import Any
 
 import pytest
+import schemathesis
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 from pydantic.json_schema import models_json_schema
+from schemathesis import Case
 
 from calibdb import schema
 
@@ -37,13 +39,34 @@ JSON = st.recursive(
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
     max_leaves=10,
 )
-_LARGE = 1e9
+SCHEMAS = models_json_schema(
+    [(model, "validation") for model in MODELS], ref_template="#/components/schemas/{model}"
+)[1]["$defs"]
+#: calls that send each model, for which schemathesis makes bodies
+CALLS = schemathesis.openapi.from_dict(
+    {
+        "openapi": "3.1.0",
+        "info": {"title": "Schemas", "version": "1"},
+        "components": {"schemas": SCHEMAS},
+        "paths": {
+            f"/{name}": {
+                "post": {
+                    "requestBody": {
+                        "required": True,
+                        "content": {"application/json": {"schema": {"$ref": f"#/components/schemas/{name}"}}},
+                    },
+                    "responses": {"200": {"description": "accepted"}},
+                }
+            }
+            for name in SCHEMAS
+        },
+    }
+)
 
 
 def with_parts_thorough() -> list[Any]:
     """Every model; parts of another, which are read with it, marked thorough."""
-    defined = models_json_schema([(model, "validation") for model in MODELS])[1]["$defs"]
-    parts = set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(defined)))
+    parts = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(SCHEMAS)))
     return [
         pytest.param(model, id=name, marks=pytest.mark.thorough if name in parts else ())
         for model in MODELS
@@ -52,69 +75,6 @@ def with_parts_thorough() -> list[Any]:
 
 
 READ = with_parts_thorough()
-
-
-def described(node: dict[str, Any], known: dict[str, Any], depth: int = 0) -> st.SearchStrategy[Any]:
-    """Values of a JSON Schema as pydantic writes it; now and then one that is not."""
-    if "$ref" in node:
-        return described(known[node["$ref"].rpartition("/")[2]], known, depth)
-    if "anyOf" in node:
-        return st.one_of([described(option, known, depth) for option in node["anyOf"]])
-    if "enum" in node:
-        return st.sampled_from(node["enum"])
-    if "const" in node:
-        return st.just(node["const"])
-    match node.get("type"):
-        case "object":
-            return members(node, known, depth)
-        case "array":
-            return elements(node, known, depth)
-        case "string" if "pattern" in node:
-            return st.from_regex(node["pattern"], fullmatch=True) | st.text(max_size=40)
-        case "string":
-            return st.text(min_size=node.get("minLength", 0), max_size=min(node.get("maxLength", 40), 40))
-        case "integer":
-            return st.integers(*(round(bound) for bound in bounds(node)))
-        case "number":
-            low, high = bounds(node)
-            return st.floats(low, high, exclude_min="exclusiveMinimum" in node)
-        case "boolean":
-            return st.booleans()
-        case "null":
-            return st.none()
-    return JSON
-
-
-def bounds(node: dict[str, Any]) -> tuple[float, float]:
-    low = node.get("minimum", node.get("exclusiveMinimum", -_LARGE))
-    high = node.get("maximum", node.get("exclusiveMaximum", _LARGE))
-    return low, high
-
-
-def members(node: dict[str, Any], known: dict[str, Any], depth: int) -> st.SearchStrategy[Any]:
-    if depth > 5:
-        return st.just({})
-    inner = {name: described(of, known, depth + 1) for name, of in node.get("properties", {}).items()}
-    required = set(node.get("required", ()))
-    more = node.get("additionalProperties")
-    if not inner and isinstance(more, dict):
-        names = described(node.get("propertyNames", {"type": "string"}), known)
-        return st.dictionaries(names, described(more, known, depth + 1), max_size=3)
-    return st.fixed_dictionaries(
-        {name: of for name, of in inner.items() if name in required},
-        optional={name: of for name, of in inner.items() if name not in required},
-    )
-
-
-def elements(node: dict[str, Any], known: dict[str, Any], depth: int) -> st.SearchStrategy[Any]:
-    if "prefixItems" in node:
-        return st.tuples(*(described(item, known, depth + 1) for item in node["prefixItems"])).map(list)
-    least = node.get("minItems", 0)
-    return st.lists(
-        described(node.get("items", {}), known, depth + 1),
-        min_size=least,
-        max_size=min(node.get("maxItems", least + 3), least + 3),
-    )
 
 
 def holds(model: type[BaseModel], content: str | bytes) -> bool:
@@ -131,13 +91,12 @@ def holds(model: type[BaseModel], content: str | bytes) -> bool:
 
 @pytest.mark.parametrize("model", READ)
 def test_described_documents_are_accepted(model: type[BaseModel]) -> None:
-    node = model.model_json_schema()
     accepted = []
 
-    @FUZZ
-    @given(described(node, node.get("$defs", {})))
-    def read(value: Any) -> None:
-        accepted.append(holds(model, json.dumps(value)))
+    @settings(FUZZ, max_examples=EXAMPLES // 2)
+    @given(CALLS[f"/{model.__name__}"]["POST"].as_strategy())
+    def read(case: Case) -> None:
+        accepted.append(holds(model, json.dumps(case.body)))
 
     read()
     assert any(accepted), "nothing that the schema describes is accepted"
