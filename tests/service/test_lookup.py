@@ -81,6 +81,15 @@ def test_a_miss_says_why_and_computes_nothing(
     refused = ask(stack, camera, **options, redirect=False)
     assert (refused.status, refused.json["reason"]) == (404, reason)
     assert refused.json["detail"] == answer.json["detail"]
+    missed = ask(stack, camera, **options, miss="ok").json
+    assert (missed["calibration"], missed["guidance_url"]) == (None, answer.json["guidance_url"])
+
+
+def test_guidance_page_of_a_miss_by_get_is_not_cached(stack: Server) -> None:
+    query = "camera=No+one%27s&platform=X11&img_size=1280x720&miss=ok"
+    visited = Client(stack).call("GET", "/v1/lookup", query=query)
+    assert (visited.status, visited.headers["cache-control"]) == (200, "no-store")
+    assert "camera=No+one%27s&platform=X11" in visited.json["guidance_url"]
 
 
 def test_a_size_between_two_that_scale(stack: Server) -> None:

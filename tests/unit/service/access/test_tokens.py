@@ -54,6 +54,10 @@ def test_a_token_is_its_hash() -> None:
         (("https://a.example",), "http://a.example", False),
         (("https://a.example",), "null", False),
         (("https://a.example",), None, True),
+        (("http://localhost",), "http://localhost:5173", True),
+        (("http://127.0.0.1:8000",), "http://127.0.0.1:8000", True),
+        (("http://127.0.0.1:8000",), "http://127.0.0.1", False),
+        (("https://app.localhost",), "https://app.localhost:8443", True),
     ],
 )
 def test_origins(origins: tuple[str, ...], origin: str | None, admitted: bool) -> None:
