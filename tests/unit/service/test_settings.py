@@ -74,6 +74,7 @@ def test_missing_settings_are_named(name: str, value: str | None) -> None:
         ("SESSION_SECRETS", ","),
         ("THRESHOLDS", "MIN_SHARE"),
         ("THRESHOLDS", "TABLE_NAME=other"),
+        *(("PLAN_FACTORS", value) for value in ("page", "page=0", "page=x", "=2")),
     ],
 )
 def test_malformed_settings_are_refused(name: str, value: str) -> None:
