@@ -1,5 +1,6 @@
 """Bad input is refused by name, with a 4xx problem, and the session goes on unharmed."""
 
+import gzip
 from collections.abc import Iterator
 from typing import Any
 
@@ -92,6 +93,13 @@ def test_json_other_than_an_object(guided: Client, path: str) -> None:
 @pytest.mark.parametrize("path", PATHS)
 def test_a_body_too_large(guided: Client, path: str) -> None:
     assert guided.call("POST", path, b'{"camera": "' + b"x" * 1_000_000 + b'"}').status == 413
+
+
+@pytest.mark.parametrize("encoding", ["gzip", "deflate", "br", "identity"])
+def test_a_compressed_body_is_never_unpacked(client: Client, encoding: str) -> None:
+    bomb = gzip.compress(b" " * 5_000_000 + b'{"camera": "x"}')
+    assert len(bomb) < 10_000
+    assert client.call("POST", "/v1/lookup", bomb, headers={"content-encoding": encoding}).status == 400
 
 
 @pytest.mark.parametrize(("field", "value", "name"), IN_A_SESSION)

@@ -17,6 +17,7 @@ import pytest
 from infra.server import app
 from infra.server.protocol import TimedProtocol
 from infra.server.server import Server
+from infra.web_build.openapi import OPERATIONS
 from tests.helpers.service import in_process
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
@@ -24,12 +25,9 @@ from tests.helpers.service.rigs import RigTruth
 CASES = 2 * int(os.environ.get("CASES", "150"))
 SECRETS = (b"def handler", b"root:x:", b"AWSTemplateFormatVersion", b"[project]", b"Traceback (most recent")
 PATHS = (
-    "/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/session/views/0",
-    "/v1/lookup", "/v1/calibrations/{id}", "/v1/checks", "/v1/cameras", "/v1/cameras/{key}", "/healthz",
-    "/badge/{key}/1x1.svg", "/v1/rigs", "/v1/rigs/{rig}", "/v1/rigs/{rig}/moments",
-    "/v1/rigs/{rig}/moments/m0", "/v1/rigs/{rig}/finish", "/v1/rigs/{rig}/result", "/rig/",
-    "/", "/config.json", "/calibrate/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json",
-)  # fmt: skip
+    *(operation.path.replace("/rigs/{id}", "/rigs/{rig}") for operation in OPERATIONS),
+    *("/", "/config.json", "/rig/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json"),
+)
 VERBS = ("GET", "POST", "DELETE", "PUT", "HEAD", "OPTIONS", "TRACE", "CONNECT", "get", "G\x00T", "X" * 300)
 ODD = (
     "..", "../", "..%2f", "%2e%2e/", "%2e%2e%2f", "..\\", "%5c..", "%00", "%0a", "%0d%0aX-Injected: 1",
@@ -58,6 +56,7 @@ def sent_to(stack: Server) -> Iterator[tuple[str, dict[str, str], str]]:
     rig = RigTruth(stack).open()
     rig.moment("m0")
     ids = {"id": calibration, "key": calibration.rpartition("-")[0], "rig": rig.rig_id}
+    ids |= {"index": "0", "moment": "m0", "file": "1x1.svg", "digest": "0", "size": "1x1", "zoom": "0"}
     with stack.serve() as url:
         yield url, ids, rig.clients[0].session_id
 
