@@ -63,7 +63,8 @@ def population(values: Sequence[float]) -> Population:
     """Predict the next model from those known, at least two."""
     ordered, n = sorted(values), len(values)
     if n >= _MIN_QUANTILE_COUNT:
-        return Population(n, statistics.median(ordered), _quantile(ordered, 0.05), _quantile(ordered, 0.95))
+        low, *_, high = statistics.quantiles(ordered, n=20)  # another member is below them with p = i / 20
+        return Population(n, statistics.median(ordered), low, high)
     mean, sd = statistics.mean(ordered), statistics.stdev(ordered)
     reach = _student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
     return Population(n, mean, mean - reach, mean + reach)
@@ -101,10 +102,3 @@ def _student_t(freedom: int) -> float:
     g2 = (5 * z**5 + 16 * z**3 + 3 * z) / 96
     g3 = (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384
     return z + g1 / freedom + g2 / freedom**2 + g3 / freedom**3
-
-
-def _quantile(ordered: Sequence[float], p: float) -> float:
-    """Quantile below which another member is with probability `p` (Weibull's positions)."""
-    position = min(max(p * (len(ordered) + 1) - 1, 0.0), len(ordered) - 1.0)
-    below = min(int(position), len(ordered) - 2)
-    return ordered[below] + (position - below) * (ordered[below + 1] - ordered[below])

@@ -50,16 +50,21 @@ class CamerasRequest(Deferred):
     )
 
 
-class CameraSize(Open):
-    """Calibrations and consensus of a camera at one size and zoom."""
+class CalibratedMode(Open):
+    """Numbers of calibrations of a camera at one size and zoom."""
 
     img_size: ImgSize
     zoom: TrackZoom
-    models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     calibrations: int = Field(description="Calibrations that count, agreeing or not.")
     contributors: int = Field(description="Of those that agree.")
     agreeing: int = Field(description="How many calibrations agree.")
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
+
+
+class CameraSize(CalibratedMode):
+    """Calibrations and consensus of a camera at one size and zoom."""
+
+    models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     reliable: bool = Field(description="True if lookups return it, for at least one model.")
     fx: float | None = Field(description="px; null: no consensus yet.")
     uncertainty: float | None = Field(
@@ -105,15 +110,9 @@ class CameraMember(Open):
     in_group: bool = Field(description="It is one of those that agree.")
 
 
-class CameraMode(Open):
+class CameraMode(CalibratedMode):
     """A camera at one size and zoom."""
 
-    img_size: ImgSize
-    zoom: TrackZoom
-    calibrations: int = Field(description="Number of calibrations.")
-    contributors: int = Field(description="Number of contributors.")
-    agreeing: int = Field(description="How many calibrations agree.")
-    required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
     groups: tuple[tuple[str, ...], ...] = Field(description="Calibrations that agree, largest group first.")
     group_names: tuple[str | None, ...] = Field(

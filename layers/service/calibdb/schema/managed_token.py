@@ -96,15 +96,19 @@ class OriginState(Open):
     detail: str | None = Field(None, description="Explanation for people.")
 
 
+_SESSIONS = "Captures opened."
+_VIEWS = "Views submitted, undone, checked; calibrations converted."
+_POSES = "Target poses and their images; captures started, read and deleted."
+_LOOKUPS = "Lookups and other reads."
+
+
 class PlanLimits(Open):
     """Calls in one hour by kind; null: as many as are wanted."""
 
-    sessions: int | None = Field(description="Captures opened.")
-    views: int | None = Field(description="Views submitted, undone, checked; calibrations converted.")
-    poses: int | None = Field(
-        description="Target poses and their images; captures started, read and deleted."
-    )
-    lookups: int | None = Field(description="Lookups and other reads.")
+    sessions: int | None = Field(description=_SESSIONS)
+    views: int | None = Field(description=_VIEWS)
+    poses: int | None = Field(description=_POSES)
+    lookups: int | None = Field(description=_LOOKUPS)
 
 
 class HourlyLimits(Open):
@@ -117,10 +121,10 @@ class HourlyLimits(Open):
 class UseCounts(Open):
     """Calls by kind. Lookups are written down in batches, so that the last ones may be missing."""
 
-    sessions: int = Field(0, description="Captures opened.")
-    views: int = Field(0, description="Views submitted, undone, checked; calibrations converted.")
-    poses: int = Field(0, description="Target poses and their images; captures started, read and deleted.")
-    lookups: int = Field(0, description="Lookups and other reads.")
+    sessions: int = Field(0, description=_SESSIONS)
+    views: int = Field(0, description=_VIEWS)
+    poses: int = Field(0, description=_POSES)
+    lookups: int = Field(0, description=_LOOKUPS)
 
 
 class HourOfUse(UseCounts):

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from calibdb.lookup.projection import distort_ray, rays_in_view
+from calibdb.estimate.projection import distort_ray, rays_in_view
 from tests.helpers.lens_vectors import recorded
 from tests.helpers.service.known import consensus, fit
 
