@@ -14,7 +14,7 @@ from calibdb.estimate.projection import axis_focal, distort_ray
 from calibdb.lookup.transfer import closeness
 from calibdb.schema import Calibration, ConsensusDocument, FittingGroup, LookupRequest
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.lookup import CROPPED
+from calibdb.schema.fields import CROPPED
 
 _PINHOLES = ("rectilinear", "rational")
 _FOCAL_SIGMA = 0.02  # of a photograph's focal length, which EXIF data round

@@ -7,9 +7,8 @@ from pydantic import Field
 from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.calibration import Calibration, Intrinsics
 from calibdb.schema.documents import Votes
-from calibdb.schema.fields import Coefficients, Open, StreamRequest
+from calibdb.schema.fields import Coefficients, Open, StreamKey
 from calibdb.schema.licence import Licensed
-from calibdb.schema.lookup import ResizeMode
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_VIEWS = 5
@@ -26,12 +25,9 @@ class GivenCalibration(Intrinsics):
     distortion_coefficients: Annotated[Coefficients, Field(max_length=MAX_COEFFICIENTS)]
 
 
-class CheckRequest(StreamRequest, Licensed):
+class CheckRequest(StreamKey, Licensed):
     """A camera key and fresh views."""
 
-    resize_mode: ResizeMode | None = Field(
-        None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
-    )
     board: DescribedBoard = Board()
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."

@@ -185,9 +185,7 @@ class RigResult(Open):
     held_out_rms: float | None = Field(
         None, description="rms px of moments under a rig that was fitted without them; null: too few moments."
     )
-    uncertainty: RigUncertainty = Field(
-        description="Predicted error of a projection over the image, px; null before the first fit."
-    )
+    uncertainty: RigUncertainty
     verdict: RigVerdict
     board_poses: tuple[MomentPose, ...] = Field((), description="Boards of the moments that count.")
     board_shape: BoardShape | None = Field(
@@ -206,9 +204,7 @@ class RigState(Open):
     cameras: tuple[RigCamera, ...] = Field(description="Matching cameras, or cameras of the rig.")
     moment: LatestMoment | None
     moments: tuple[RigMoment, ...]
-    uncertainty: RigUncertainty | None = Field(
-        description="Predicted error of a projection over the image, px; null before the first fit."
-    )
+    uncertainty: RigUncertainty | None = Field(description="null before the first fit.")
     target_error: float = Field(description="px; the `uncertainty.rms` at which the rig has converged.")
     progress: float = Field(ge=0, le=1, description="Progress, 0 to 1.")
     unlinked: tuple[int, ...] = Field(

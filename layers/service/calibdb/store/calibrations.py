@@ -18,8 +18,8 @@ from calibdb.errors import DeniedReadError
 from calibdb.rules.quality_gates import is_evidence
 from calibdb.rules.votes import view_digest
 from calibdb.schema import CalibrationDocument
+from calibdb.schema.fields import CROPPED
 from calibdb.schema.licence import Licensed
-from calibdb.schema.lookup import CROPPED
 from calibdb.store.keys import (
     WITHDRAWN,
     StreamMode,
