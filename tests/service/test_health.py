@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections.abc import Callable
 from typing import Any
 from urllib.request import OpenerDirector
 
@@ -105,12 +104,12 @@ def test_failed_canary_is_shown_until_it_is_old(client: Client) -> None:
 def test_slow_part_takes_its_own_time_and_is_not_asked_again_meanwhile() -> None:
     release, asked = threading.Event(), []
 
-    def hang() -> Callable[[], object]:
+    def hang() -> None:
         asked.append(1)
-        return lambda: release.wait(30)
+        release.wait(30)
 
     slow = Part("edge", 0.05, hang)
-    table, solver = (Part(name, 5.0, lambda: lambda: None) for name in ("table", "solver"))
+    table, solver = (Part(name, 5.0, lambda: None) for name in ("table", "solver"))
     checks = PartChecks(((slow, table), (solver,)))
     start = time.monotonic()
     for _ in range(5):
@@ -124,12 +123,7 @@ def test_parts_are_checked_once_in_ten_seconds_however_many_ask(monkeypatch: pyt
     monkeypatch.undo()
     asked = []
     now = [0.0]
-
-    def count() -> Callable[[], None]:
-        asked.append(1)
-        return lambda: None
-
-    checks = PartChecks(((Part("table", 5.0, count),),), lambda: now[0])
+    checks = PartChecks(((Part("table", 5.0, lambda: asked.append(1)),),), lambda: now[0])
     threads = [threading.Thread(target=checks) for _ in range(20)]
     for thread in threads:
         thread.start()

@@ -9,7 +9,7 @@ from calibdb.camera_key.names import is_maker, words
 from calibdb.camera_key.usb_vendors import vendor_of, vendor_words
 from calibdb.rules.contributed_name import mode_names
 from calibdb.schema import Calibration, ConsensusDocument
-from calibdb.schema.cameras import CalibratedMode, CameraEntry, CameraMode, CameraSize
+from calibdb.schema.cameras import CalibratedMode, CameraEntry, CameraMode, CameraSize, NamedCamera
 from calibdb.store import Store, StreamMode
 
 SizeAndZoom = tuple[tuple[int, int], float]
@@ -91,7 +91,6 @@ def camera_entry(
     key: str, name: str, consensuses: Sequence[ConsensusDocument], min_calibrations: int
 ) -> CameraEntry:
     """Camera as a search shows it; `name`: its normalised label."""
-    camera, platform = display_name(name, consensuses)
     sizes = []
     for _, here in group_by_mode(consensuses):
         best = best_consensus(here)
@@ -106,10 +105,14 @@ def camera_entry(
                 calibration_time=calibration and calibration.calibration_time,
             )
         )
+    return CameraEntry(**dict(named_camera(key, name, consensuses)), sizes=tuple(sizes))
+
+
+def named_camera(key: str, name: str, consensuses: Sequence[ConsensusDocument]) -> NamedCamera:
+    """Camera by its names; `name`: its normalised label."""
+    camera, platform = display_name(name, consensuses)
     own = usb_id(consensuses)
-    return CameraEntry(
-        key=key, camera=camera, platform=platform, usb_id=own, vendor=vendor_of(own), sizes=tuple(sizes)
-    )
+    return NamedCamera(key=key, camera=camera, platform=platform, usb_id=own, vendor=vendor_of(own))
 
 
 def _calibrated_mode(here: Sequence[ConsensusDocument], min_calibrations: int) -> CalibratedMode:

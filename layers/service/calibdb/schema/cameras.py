@@ -16,13 +16,9 @@ from calibdb.schema.fields import (
     TrackZoom,
     UnixTime,
 )
-from calibdb.schema.lookup import Reason
+from calibdb.schema.lookup import Flag, Reason
 
 MAX_CAMERAS = 50
-
-
-def _switch(value: object) -> object:
-    return {"true": True, "1": True, "false": False, "0": False}.get(str(value).lower(), value)
 
 
 def _whole(value: object) -> object:
@@ -39,7 +35,7 @@ class CamerasRequest(Deferred):
         max_length=128,
         description="Words of a name, a USB id, or a USB vendor; none: all cameras but simulated ones.",
     )
-    reliable: Annotated[bool | None, BeforeValidator(_switch)] = Field(
+    reliable: Annotated[bool | None, Flag] = Field(
         None, description="`true`: cameras with a reliable calibration at some size; `false`: the others."
     )
     limit: Annotated[int, Field(ge=1, le=MAX_CAMERAS), BeforeValidator(_whole)] = Field(

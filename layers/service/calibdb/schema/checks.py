@@ -15,6 +15,11 @@ MAX_VIEWS = 5
 MAX_COEFFICIENTS = 14  # of a distortion model
 
 
+Fit = Annotated[
+    Literal["fits", "does_not_fit"], Field(description="`fits` if the consensus explains these views.")
+]
+
+
 class CheckView(ObservedCorners):
     """One frame: the board corners seen."""
 
@@ -42,7 +47,7 @@ class CheckRequest(StreamKey, Licensed):
 class CheckAnswer(Open):
     """Result of a check: whether the stored consensus fits these views."""
 
-    fits: Literal["fits", "does_not_fit"] = Field(description="`fits` if the consensus explains these views.")
+    fits: Fit
     error: float = Field(description="px rms of the views under the consensus; only poses are fitted.")
     expected: float = Field(description="px rms of these views under their own fit.")
     counted: bool = Field(
@@ -56,7 +61,7 @@ class CheckAnswer(Open):
 class ComparisonAnswer(Open):
     """Result of a check of a given calibration: how far it is from a fit of these views."""
 
-    fits: Literal["fits", "does_not_fit"] = Field(description="`fits` if the consensus explains these views.")
+    fits: Fit
     error: float | None = Field(
         description="px rms of the views under the calibration; null: it explains none."
     )

@@ -49,7 +49,10 @@ def _number(value: object) -> object:
 
 
 def _flag(value: object) -> object:
-    return QUERY_FLAGS.get(value, value) if isinstance(value, str) else value
+    return QUERY_FLAGS.get(value.lower(), value) if isinstance(value, str) else value
+
+
+Flag = BeforeValidator(_flag)
 
 
 class Reported(Open):
@@ -98,7 +101,7 @@ class LookupRequest(StreamKey):
         description="Frames of the board, tilted differently. If the calibrations of the camera fall into "
         "groups, the estimate is the group that fits. Not in a query.",
     )
-    redirect: Annotated[bool, BeforeValidator(_flag)] = Field(
+    redirect: Annotated[bool, Flag] = Field(
         True, description="`false`: 404 with `guidance_url` instead of a redirect."
     )
     estimate: Literal["always"] | None = Field(

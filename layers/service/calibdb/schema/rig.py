@@ -8,20 +8,17 @@ from calibdb.schema.board import DescribedBoard
 from calibdb.schema.calibration import BoardShape, Calibration
 from calibdb.schema.fields import (
     CalibrationName,
-    CornerIds,
-    CornerPixels,
     Detail,
     DistortionModel,
     ImgSize,
     Open,
-    Pixel,
     Row,
     Strict,
     Whole,
     is_none,
 )
 from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
-from calibdb.schema.session import HintName
+from calibdb.schema.session import HintName, TargetView
 
 RigUnit = Literal["squares", "metres"]
 RigVerdictReason = Literal["uncertain", "held_out", "set_aside"]
@@ -113,17 +110,10 @@ class RigUncertainty(Open):
     )
 
 
-class RigTargetView(Open):
-    """The target as one camera would see it; pixels of its `img_size`, distortion included."""
+class RigTargetView(TargetView):
+    """The target as one camera of a rig would see it."""
 
     position: int
-    rvec: Row
-    tvec: Row = Field(description="Translation, squares.")
-    ids: CornerIds
-    corners: CornerPixels
-    outline: tuple[Pixel, ...]
-    hint: str
-    hint_code: HintName
 
 
 class RigTarget(Open):

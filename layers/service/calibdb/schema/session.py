@@ -29,7 +29,7 @@ from calibdb.schema.fields import (
     UnixTime,
     is_none,
 )
-from calibdb.schema.licence import Licence, LicenceVersion, Licensed
+from calibdb.schema.licence import Licence, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
@@ -210,7 +210,7 @@ class Verdict(Open):
     reasons: tuple[VerdictReason, ...] = Field(description="The one to act on first; none if it is good.")
 
 
-class SessionState(Open):
+class SessionState(Open, Licensed):
     """Progress of the capture."""
 
     status: Literal["capturing", "converged"] = Field(description="`capturing` or `converged`.")
@@ -226,12 +226,6 @@ class SessionState(Open):
         "live", description="`live`: views arrive one by one; `recorded`: all views exist already."
     )
     rig: RigMembership | None = Field(None, description="The rig that the session is in; null: none.")
-    licence: Licence | None = Field(
-        None, description="As the session was started, or as the contributor agreed later."
-    )
-    licence_version: LicenceVersion | None = Field(
-        None, description="Date of the text that the contributor agreed to."
-    )
     views: tuple[ViewState, ...] = Field(description="The views of the session.")
     progress: float = Field(ge=0, le=1, description="Progress, 0 to 1.")
     uncertainty: Uncertainty | None = Field(
@@ -291,15 +285,20 @@ class BatchAnswer(SessionState):
     )
 
 
-class Pose(Open):
-    """Target pose of the board; pixels of `img_size`, distortion included."""
+class TargetView(Open):
+    """Target as one camera would see it; pixels of its `img_size`, distortion included."""
 
-    index: int = Field(description="The index that a view answering this pose carries.")
     rvec: Row = Field(description="Rotation vector, board to camera, rad.")
     tvec: Row = Field(description="Translation, squares.")
     ids: CornerIds
     corners: CornerPixels
     outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
-    purpose: str = Field(description="What this view is for, in English.")
     hint: str = Field(description="What to do next, in English, at most six words; sides are the picture's.")
     hint_code: HintName
+
+
+class Pose(TargetView):
+    """Target pose of the board; pixels of `img_size`, distortion included."""
+
+    index: int = Field(description="The index that a view answering this pose carries.")
+    purpose: str = Field(description="What this view is for, in English.")
