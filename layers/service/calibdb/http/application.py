@@ -66,11 +66,11 @@ def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
         body = await request.body()
         in_thread: InThread | None = request.scope.get(IN_THREAD)
         if in_thread is None:
-            return method(Call(request, body, Service.of_process()))
+            return method(Call(request, body, _service()))
         if is_quick:
             with suppress(InLoopError):
-                return method(Call(request, body, Service.of_process(), in_loop=True))
-        return await in_thread(lambda: method(Call(request, body, Service.of_process())))
+                return method(Call(request, body, _service(), in_loop=True))
+        return await in_thread(lambda: method(Call(request, body, _service())))
 
     return Route(path, endpoint, methods=list(methods))
 
@@ -135,6 +135,10 @@ def _without_host(event: dict[str, Any]) -> dict[str, Any]:
     """Event without its host: Mangum fails on a malformed one."""
     headers = {k: v for k, v in (event.get("headers") or {}).items() if k.lower() not in _HOST_HEADERS}
     return {**event, "headers": headers}
+
+
+def _service() -> Service:
+    return Service.of_process()
 
 
 def problem_response(error: CalibdbError) -> Response:
