@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from calibdb.dump.public_copy import public_copy
-from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.published import store
 
 JOBS = False
@@ -36,12 +36,6 @@ def test_licence_is_stored_with_session_calibration_and_export(client: Client) -
 
 def consent(of: Any) -> dict[str, Any]:
     return {name: of[name] for name in CONSENT}
-
-
-def test_other_consent_is_another_session(client: Client) -> None:
-    assert client.open(**CONSENT).status == 201
-    assert client.call("POST", "/v1/session", {**CAMERA, **CONSENT}).status == 201
-    assert client.call("POST", "/v1/session", CAMERA).status == 409
 
 
 def test_licence_is_added_to_a_published_calibration_once(client: Client) -> None:

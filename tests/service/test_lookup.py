@@ -83,6 +83,8 @@ def test_a_miss_says_why_and_computes_nothing(
     assert refused.json["detail"] == answer.json["detail"]
     missed = ask(stack, camera, **options, miss="ok").json
     assert (missed["calibration"], missed["guidance_url"]) == (None, answer.json["guidance_url"])
+    assert answer.json["estimate"] == refused.json["estimate"] == missed["estimate"]
+    assert missed["estimate"]["hfov_deg"] > 0
 
 
 def test_guidance_page_of_a_miss_by_get_is_not_cached(stack: Server) -> None:

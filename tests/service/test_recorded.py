@@ -49,12 +49,10 @@ def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
     assert client.finish().json == ended, "again is answered again"
     stored = client.calibration(ended["calibration_id"]).json
     assert len(stored["report"]["views"]) == len(used)
-    shape, board = expected.board_shape, stored["report"]["board"]
-    assert (board is None) == (shape is None)
+    shape = expected.board_shape
     assert ("board_shape" in stored) == (shape is not None), "missing where the board is as drawn"
     if shape is not None:
-        assert stored["board_shape"]["sag"] == pytest.approx(board["sag"], rel=0.01)
-        assert board["sag"] == pytest.approx(shape.sag, rel=0.05)
+        assert stored["board_shape"]["sag"] == pytest.approx(shape.sag, rel=0.05)
 
 
 def test_duplicate_counts_where_it_is_recorded_only(client: Client) -> None:
@@ -76,10 +74,3 @@ def test_live_capture_can_be_ended_before_its_target_error(client: Client) -> No
     assert (ended["status"], len(ended["views"])) == ("converged", 4)
     assert ended["uncertainty"]["rms"] > 0.01, "it says what it is worth, whatever was asked"
     assert client.calibration(ended["calibration_id"]).status == 200
-
-
-def test_recorded_and_live_are_different_sessions(client: Client) -> None:
-    start = {"camera": "One", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-    client.open(**start, capture="recorded")
-    assert client.call("POST", "/v1/session", start).status == 409
-    assert client.call("POST", "/v1/session", {**start, "capture": "video"}).status == 422

@@ -1,5 +1,7 @@
 """The rules of a capture on its document alone."""
 
+from typing import Any
+
 import pytest
 
 from calibdb.errors import ConflictError, InvalidError
@@ -42,6 +44,24 @@ def test_the_image_ends_half_a_pixel_beyond_its_centres(point: tuple[float, floa
     with pytest.raises(InvalidError) as refused:
         session_rules.validate_view(DOCUMENT, view(0, (point,)))
     assert [f.field for f in refused.value.fields] == ["points.0"]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"camera": "Another"},
+        {"zoom": 2.0},
+        {"guidance": "pose-selection"},
+        {"track": {"frameRate": 30}},
+        {"capture": "recorded"},
+        {"licence": "CC0-1.0"},
+        {"licence": "CC0-1.0", "licence_version": "2026-11-22"},
+    ],
+)
+def test_start_with_other_content_is_another_session(changed: dict[str, Any]) -> None:
+    asked = SessionRequest.model_validate({**REQUEST.model_dump(), **changed})
+    assert not session_rules.is_same_start(DOCUMENT, session_rules.begin(asked, SID, 1, NOW))
+    assert session_rules.is_same_start(DOCUMENT, session_rules.begin(REQUEST, SID, 2, NOW + 1))
 
 
 def test_indices_go_up_by_one_and_are_not_used_again() -> None:
