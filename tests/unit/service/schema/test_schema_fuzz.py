@@ -16,6 +16,7 @@ from pydantic.json_schema import models_json_schema
 from schemathesis import Case
 
 from calibdb import schema
+from calibdb.schema import LookupRequest
 
 EXAMPLES = int(os.environ.get("CASES", "160")) // 20
 FUZZ = settings(
@@ -127,3 +128,11 @@ def test_stored_members_hold_finite_numbers() -> None:
         "target": {"x": Infinity, "y": [1, NaN, {"z": -Infinity}]}}"""
     document = schema.documents.SessionDocument.model_validate_json(content)
     assert document.target == {"x": None, "y": [1, None, {"z": None}]}
+
+
+@pytest.mark.parametrize("separator", ["x", "×", ","])
+def test_query_equals_body(separator: str) -> None:
+    camera = {"camera": "a", "platform": "b"}
+    query = LookupRequest.model_validate({**camera, "imsize": f"640{separator}480", "zoom": "1.500000"})
+    body = LookupRequest.model_validate({**camera, "img_size": [640, 480], "zoom": 1.5})
+    assert query == body
