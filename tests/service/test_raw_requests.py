@@ -30,22 +30,18 @@ PATHS = (
 )
 VERBS = ("GET", "POST", "DELETE", "PUT", "HEAD", "OPTIONS", "TRACE", "CONNECT", "get", "G\x00T", "X" * 300)
 ODD = (
-    "..", "../", "..%2f", "%2e%2e/", "%2e%2e%2f", "..\\", "%5c..", "%00", "%0a", "%0d%0aX-Injected: 1",
-    "%c0%ae/", "%", "%zz", "//", ";a=b", "\u00e9", "%ff", "%F0%9F%93%B7", "*", '"', "<script>", "{id}",
-    "a" * 2000, "%25" * 50, "?", "#", "&", "=", "+", " ", "etc/passwd", "template.yaml", ".git/config",
+    "..", "../", "..%2f", "%2e%2e/", "..\\", "%5c..", "%00", "%0d%0aX-Injected: 1", "%c0%ae/", "%zz", "//",
+    ";a=b", "\u00e9", "%ff", '"', "<script>", "a" * 2000, "%25" * 50, "?", "#", " ", "template.yaml",
 )  # fmt: skip
 HEADERS = (
-    "Accept", "Accept-Encoding", "Authorization", "Connection", "Content-Encoding", "Content-Length",
-    "Content-Type", "Cookie", "Expect", "Host", "If-Match", "If-Modified-Since", "If-None-Match", "Origin",
-    "Range", "TE", "Trailer", "Transfer-Encoding", "Upgrade", "X-Forwarded-For", "X-HTTP-Method-Override",
-    "x-calibdb-edge", "Access-Control-Request-Method", "Content-Range",
+    "Accept", "Authorization", "Connection", "Content-Encoding", "Content-Length", "Content-Type", "Expect",
+    "Host", "If-None-Match", "Origin", "Range", "Transfer-Encoding", "Upgrade", "X-Forwarded-For",
+    "x-calibdb-edge",
 )  # fmt: skip
 VALUES = (
-    "", " ", "0", "-1", "1", "99999999999999999999", "1, 1", "bytes=0-0", "bytes=0-,5-6,7-",
-    "bytes=9-1", "chunked", "identity, chunked", "gzip", "br", "application/json", "image/png;q=x",
-    "*/*;q=0", "null", "*", "%0a", "https://evil.example", "keep-alive, upgrade", "websocket", "h2c",
-    "100-continue", "\x7f", "\xff\xfe", "é", "Bearer ", "Basic eDp5", "bearer " + "a" * 4000, "W/\"x\"",
-    "Thu, 01 Jan 1970 00:00:00 GMT", "::1", "a,b,c,d", "localhost", "x" * 9000, "\u0001",
+    "", "-1", "1", "99999999999999999999", "1, 1", "bytes=9-1", "chunked", "identity, chunked", "gzip",
+    "application/json", "image/png;q=x", "*/*;q=0", "null", "https://evil.example", "websocket",
+    "100-continue", "\x7f", "\xff\xfe", "Bearer ", "bearer " + "a" * 4000, "x" * 9000, "\u0001",
 )  # fmt: skip
 
 
@@ -67,8 +63,8 @@ def target(rng: random.Random, ids: dict[str, str]) -> str:
         at = rng.randrange(len(path) + 1)
         path = path[:at] + rng.choice(ODD) + path[at:]
     if rng.random() < 0.4:
-        names = ("format", "crop", "resize", "skip", "camera", "img_size", "key", "query", "without", "id")
-        values = (*ODD, "1", "kalibr", "0,0,64,64", "1e400", "1280x720", TOKEN, "NaN", "9" * 400)
+        names = ("format", "crop", "skip", "camera", "img_size", "key", "query", "id")
+        values = (*ODD, "1", "kalibr", "0,0,64,64", "1e400", TOKEN, "9" * 400)
         path += "?" + "&".join(f"{rng.choice(names)}={rng.choice(values)}" for _ in range(rng.randint(1, 4)))
     return path
 
@@ -76,12 +72,9 @@ def target(rng: random.Random, ids: dict[str, str]) -> str:
 def body(rng: random.Random) -> bytes:
     return rng.choice(
         (
-            b"", b"{}", b"[", b"null", b"\xff\xfe{\x00}\x00", b"[" * 5000, b'{"a":' * 2000, b"1e999999",
-            b'"\\ud800"', json.dumps(CAMERA).encode(), json.dumps({**CAMERA, "redirect": False}).encode(),
-            json.dumps({"index": 0, "ids": [0], "points": [[1, 1]]}).encode(),
+            b"", b"{}", b"[", b"\xff\xfe{\x00}\x00", b"[" * 5000, b"1e999999", b'"\\ud800"',
+            json.dumps(CAMERA).encode(), json.dumps({**CAMERA, "redirect": False}).encode(),
             json.dumps({"index": 0, "ids": [0], "points": [[1, 1]], "moment": "m0"}).encode(),
-            json.dumps({**CAMERA, "rig": {"code": "234567"}}).encode(),
-            b'{"cameras": 2}', b'{"moment": "m1"}',
             b'{"index":' + b"9" * 5000 + b"}", rng.randbytes(rng.randint(1, 300)), b"x" * 20_000,
         )
     )  # fmt: skip

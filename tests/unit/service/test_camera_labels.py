@@ -1,6 +1,7 @@
 """Camera keys on the labels that browsers were seen to report."""
 
 import itertools
+from collections.abc import Callable
 
 import pytest
 
@@ -8,9 +9,12 @@ from calibdb.camera_key import Identity, identify
 from tests.helpers.service import labels
 from tests.helpers.service.labels import LabelRow
 
+Row = tuple[LabelRow, Identity]
+Rows = list[Row]
+
 
 @pytest.fixture(scope="module", params=labels.SOURCES)
-def rows(request: pytest.FixtureRequest) -> list[tuple[LabelRow, Identity]]:
+def rows(request: pytest.FixtureRequest) -> Rows:
     found = labels.rows(request.param)
     assert len(found) > 80
     return [(row, identify(row.label, row.system or "unknown")) for row in found]
@@ -22,7 +26,7 @@ def resolved(asked: Identity, known: list[Identity]) -> str:
     return ids.pop() if not asked.usb_id and asked.distinct and len(ids) == 1 else asked.key
 
 
-def test_no_two_products_share_a_key(rows: list[tuple[LabelRow, Identity]]) -> None:
+def test_no_two_products_share_a_key(rows: Rows) -> None:
     known = [identity for _, identity in rows]
     for (a, one), (b, other) in itertools.combinations(rows, 2):
         if a.product != b.product:
@@ -30,32 +34,36 @@ def test_no_two_products_share_a_key(rows: list[tuple[LabelRow, Identity]]) -> N
             assert resolved(one, known) != resolved(other, known), (a.label, b.label)
 
 
-def test_labels_of_one_product_are_found_under_one_key(rows: list[tuple[LabelRow, Identity]]) -> None:
+def alike(rows: Rows, is_pair: Callable[[Row, Row], bool]) -> list[bool]:
+    """True for each such pair of one product whose labels are found under one key."""
+    known = [identity for _, identity in rows]
+    return [
+        resolved(one[1], known) == resolved(other[1], known)
+        for one, other in itertools.combinations(rows, 2)
+        if one[0].product == other[0].product and is_pair(one, other)
+    ]
+
+
+def test_labels_of_one_product_are_found_under_one_key(rows: Rows) -> None:
     """Of the pairs of one product that share a USB id or a normalised name, at least nine in ten."""
-    known = [identity for _, identity in rows]
-    pairs = [
-        (one, other)
-        for (a, one), (b, other) in itertools.combinations(rows, 2)
-        if a.product == b.product and ((one.usb_id and one.usb_id == other.usb_id) or one.name == other.name)
-    ]
-    found = sum(resolved(one, known) == resolved(other, known) for one, other in pairs)
-    assert len(pairs) > 100
-    assert found / len(pairs) >= 0.9
+
+    def share(one: Row, other: Row) -> bool:
+        a, b = one[1], other[1]
+        return bool(a.usb_id and a.usb_id == b.usb_id) or a.name == b.name
+
+    found = alike(rows, share)
+    assert len(found) > 100
+    assert sum(found) / len(found) >= 0.9
 
 
-def test_english_labels_alone_resolve_alike(rows: list[tuple[LabelRow, Identity]]) -> None:
-    known = [identity for _, identity in rows]
-    english = [(row, i) for row, i in rows if row.system.partition("(")[2] in ("", "en)")]
-    found = [
-        resolved(one, known) == resolved(other, known)
-        for (a, one), (b, other) in itertools.combinations(english, 2)
-        if a.product == b.product != "virtual"
-    ]
+def test_english_labels_alone_resolve_alike(rows: Rows) -> None:
+    english = [row for row in rows if row[0].system.partition("(")[2] in ("", "en)")]
+    found = alike(english, lambda one, _: one[0].product != "virtual")
     assert len(found) >= 13
     assert sum(found) / len(found) >= 0.9
 
 
-def test_name_of_two_usb_ids_is_ambiguous(rows: list[tuple[LabelRow, Identity]]) -> None:
+def test_name_of_two_usb_ids_is_ambiguous(rows: Rows) -> None:
     for (_, one), (_, other) in itertools.combinations(rows, 2):
         if one.usb_id and other.usb_id and one.usb_id != other.usb_id and one.name == other.name:
             assert not one.distinct, one.name

@@ -5,6 +5,8 @@ import json
 import os
 import pkgutil
 import re
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -12,11 +14,13 @@ import schemathesis
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
+from pydantic._internal import _model_construction
 from pydantic.json_schema import models_json_schema
 from schemathesis import Case
 
 from calibdb import schema
-from calibdb.schema import LookupRequest
+from calibdb.schema import LookupRequest, fields
+from calibdb.schema.fields import Deferred, Strict
 
 EXAMPLES = int(os.environ.get("CASES", "160")) // 20
 FUZZ = settings(
@@ -136,3 +140,48 @@ def test_query_equals_body(separator: str) -> None:
     query = LookupRequest.model_validate({**camera, "imsize": f"640{separator}480", "zoom": "1.500000"})
     body = LookupRequest.model_validate({**camera, "img_size": [640, 480], "zoom": 1.5})
     assert query == body
+
+
+class Watched:
+    """A lock that tells when a thread asks for it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self.asked = threading.Semaphore(0)
+
+    def __enter__(self) -> None:
+        self.asked.release()
+        self._lock.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+
+def test_first_use_in_two_threads_builds_the_model_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Fresh(Strict):
+        number: int = 0
+
+    lock, builds = Watched(), 0
+    build = _model_construction.complete_model_class
+
+    def build_late(*args: Any, **kwargs: Any) -> bool:
+        nonlocal builds
+        builds += 1
+        if builds == 1:
+            for _ in range(2):
+                assert lock.asked.acquire(timeout=60)
+        else:
+            lock.asked.release()
+        return build(*args, **kwargs)
+
+    monkeypatch.setattr(_model_construction, "complete_model_class", build_late)
+    monkeypatch.setattr(fields, "building", lock)
+    assert not Fresh.__pydantic_complete__
+    with ThreadPoolExecutor(2) as pool:
+        found = pool.map(lambda number: Fresh.model_validate({"number": number}).model_dump(), (1, 2))
+        assert list(found) == [{"number": 1}, {"number": 2}]
+    assert builds == 1
+
+
+def test_every_model_is_built_at_its_first_use() -> None:
+    assert [model.__name__ for model in MODELS if not issubclass(model, Deferred)] == []
