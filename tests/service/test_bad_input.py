@@ -20,6 +20,7 @@ MALFORMED = [
 # field changed, its value, and the field that the answer must name
 IN_A_SESSION: list[tuple[str, Any, str]] = [
     ("camera", MISSING, "camera"),
+    ("camera", 5, "camera"),
     ("camera", "   ", "camera"),
     ("platform", "x" * 257, "platform"),
     ("img_size", [0, 720], "img_size.0"),

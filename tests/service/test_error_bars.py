@@ -57,8 +57,6 @@ def test_state_report_and_exports_have_the_error_bars(client: Client, fitted: Fi
     stored = client.calibration(state["calibration_id"]).json
     report = stored["report"]
     assert report["systematic"]["cause"] == "motion"
-    drawn = np.array(report["error_map"]["px"], dtype=float)
-    assert np.sqrt(np.mean(drawn**2)) == pytest.approx(expected.rms, rel=0.01)
     assert report["std"]["fx"] == pytest.approx(np.sqrt(fitted.covariance[0, 0]), rel=0.01)
     assert stored["uncertainty"]["rms"] == pytest.approx(expected.rms, rel=1e-3)
     written = client.calibration(state["calibration_id"], query="format=mrcal").body.decode()

@@ -141,7 +141,7 @@ def test_preflight_is_allowed_on_every_path_without_settings(
     assert answer["statusCode"] == 204
     headers = {name.lower(): value for name, value in answer["headers"].items()}
     assert headers["access-control-allow-origin"] == "*"
-    assert {"GET", "POST", "DELETE"} <= set(headers["access-control-allow-methods"].split(","))
+    assert {"GET", "POST", "PATCH", "DELETE"} <= set(headers["access-control-allow-methods"].split(","))
     assert {"authorization", "content-type"} <= set(headers["access-control-allow-headers"].split(","))
     assert not answer.get("body")
 

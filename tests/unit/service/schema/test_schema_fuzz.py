@@ -1,4 +1,4 @@
-"""Every schema under what its own JSON Schema allows, and under anything: a model, or a ValidationError."""
+"""Every schema under what its own JSON Schema allows, and models that are built at their first use."""
 
 import importlib
 import json
@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 from pydantic._internal import _model_construction
 from pydantic.json_schema import models_json_schema
@@ -38,11 +37,6 @@ MODELS = sorted(
         if isinstance(model, type) and issubclass(model, BaseModel) and model.__module__.startswith("calibdb")
     },
     key=lambda model: model.__name__,
-)
-JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
-    max_leaves=10,
 )
 SCHEMAS = models_json_schema(
     [(model, "validation") for model in MODELS], ref_template="#/components/schemas/{model}"
@@ -105,24 +99,6 @@ def test_described_documents_are_accepted(model: type[BaseModel]) -> None:
 
     read()
     assert any(accepted), "nothing that the schema describes is accepted"
-
-
-@pytest.mark.parametrize("model", READ)
-def test_arbitrary_documents_are_read_or_refused(model: type[BaseModel]) -> None:
-    names = list(model.model_fields)
-
-    @FUZZ
-    @given(
-        JSON.map(json.dumps).map(str.encode)
-        | st.dictionaries(st.sampled_from(names) if names else st.text(), JSON, max_size=6).map(
-            lambda value: json.dumps(value).encode()
-        )
-        | st.binary(max_size=40)
-    )
-    def read(content: bytes) -> None:
-        holds(model, content)
-
-    read()
 
 
 def test_stored_members_hold_finite_numbers() -> None:
