@@ -20,6 +20,7 @@ from schemathesis import Case
 from calibdb import schema
 from calibdb.schema import LookupRequest, fields
 from calibdb.schema.fields import Deferred, Strict
+from tests.conftest import THOROUGH
 
 EXAMPLES = int(os.environ.get("CASES", "160")) // 20
 FUZZ = settings(
@@ -63,17 +64,9 @@ CALLS = schemathesis.openapi.from_dict(
 )
 
 
-def with_parts_thorough() -> list[Any]:
-    """Every model; parts of another, which are read with it, marked thorough."""
-    parts = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(SCHEMAS)))
-    return [
-        pytest.param(model, id=name, marks=pytest.mark.thorough if name in parts else ())
-        for model in MODELS
-        for name in [model.__name__]
-    ]
-
-
-READ = with_parts_thorough()
+#: models that are parts of another, which are read with it
+PARTS = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(SCHEMAS)))
+READ = [model for model in MODELS if THOROUGH or model.__name__ not in PARTS]
 
 
 def holds(model: type[BaseModel], content: str | bytes) -> bool:
@@ -88,7 +81,7 @@ def holds(model: type[BaseModel], content: str | bytes) -> bool:
     return True
 
 
-@pytest.mark.parametrize("model", READ)
+@pytest.mark.parametrize("model", READ, ids=lambda model: model.__name__)
 def test_described_documents_are_accepted(model: type[BaseModel]) -> None:
     accepted = []
 
