@@ -2,7 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 
@@ -57,7 +57,7 @@ class World:
         self.clock = Clock(1_700_000_000 - 1_700_000_000 % 3600)
         self.tokens, self.quotas = Tokens(), WatchedQuotas()
         settings = Settings.from_environment(ENVIRONMENT)
-        store = replace(Store.of(settings), tokens=cast(Any, self.tokens), quotas=self.quotas)
+        store = replace(Store.of(settings), tokens=self.tokens, quotas=self.quotas)
         plans = PLANS | {"small": small}
         self.service = Service.build(settings, store, self.clock, plans=plans, in_background=in_background)
         self.memory = self.service._tokens
@@ -65,7 +65,6 @@ class World:
     def look_up(self, times: int = 1, source: str = "a", every_s: int = 0) -> None:
         for _ in range(times):
             token = self.memory.get("t")
-            assert token is not None
             self.memory.count_lookup(token, source)
             self.clock.now += every_s
 

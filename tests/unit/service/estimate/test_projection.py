@@ -35,7 +35,6 @@ def test_plain_projection_matches_the_shared_vectors() -> None:
 )
 def test_rays_reach_the_edges_of_the_picture(model: str, f: float, distortion: tuple[float, ...]) -> None:
     camera = consensus(fit(f=f, distortion=distortion, model=model)).calibration
-    assert camera is not None
     u, v = zip(*(pixel for _, _, pixel in rays_in_view(camera)), strict=True)
     for coordinates, side in zip((u, v), camera.img_size, strict=True):
         assert len(coordinates) > 150
@@ -45,6 +44,5 @@ def test_rays_reach_the_edges_of_the_picture(model: str, f: float, distortion: t
 
 def test_folding_model_ends_at_its_fold() -> None:
     folding = consensus(fit(f=300.0, distortion=(-0.4, 0, 0, 0, 0))).calibration
-    assert folding is not None
     fold = math.atan(math.sqrt(1 / 1.2))  # d/dr of r (1 - 0.4 r^2) is 0 at r^2 = 1 / 1.2
     assert fold - 0.06 < max(theta for theta, _, _ in rays_in_view(folding)) < fold + 0.06  # to a step

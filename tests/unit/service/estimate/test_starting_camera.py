@@ -19,17 +19,13 @@ GOPRO = EstimateQuery("GoPro HERO7 Black", "video", (1920, 1440))
 @pytest.mark.parametrize("query", [C920, GOPRO, EstimateQuery("-", "x", (720, 1280))])
 @pytest.mark.parametrize("model", ["rectilinear", "rational", "fisheye"])
 def test_capture_takes_it_as_a_seed(query: EstimateQuery, model: str) -> None:
-    record = starting_camera(query, model)
-    assert record is not None
-    camera = Camera.from_record(record.model_dump())
+    camera = Camera.from_record(starting_camera(query, model).model_dump())
     assert Capture(Board(), query.img_size, model, seed=camera).seed is not None
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "rational", "fisheye"])
 def test_models_have_one_field_of_view(model: str) -> None:
-    record = starting_camera(C920, model)
-    assert record is not None
-    camera = Camera.from_record(record.model_dump())
+    camera = Camera.from_record(starting_camera(C920, model).model_dump())
     w, h = camera.img_size
     left, right = camera.unproject(np.array([[-0.5, (h - 1) / 2], [w - 0.5, (h - 1) / 2]]))
     angle = math.degrees(math.acos(np.dot(left, right) / np.linalg.norm(left) / np.linalg.norm(right)))

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from starlette.requests import Request
@@ -160,7 +160,7 @@ def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) ->
     if shown is not None:
         headers.append((b"x-calibdb-edge", shown.encode("latin-1")))
     scope = {"type": "http", "headers": headers, "client": ("198.51.100.9", 0)}
-    return Call(Request(scope), b"", cast(Any, Service(settings))).address
+    return Call(Request(scope), b"", Service(settings)).address
 
 
 @pytest.mark.parametrize("forwarded", ["192.0.2.7, 198.51.100.9", "203.0.113.1, 192.0.2.7, 198.51.100.9"])

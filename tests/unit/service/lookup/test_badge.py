@@ -67,9 +67,7 @@ PAGE = """<html><head><title data-t="result.title">Calibration result</title>
 
 
 def calibration(camera: str, uncertainty: float = 0.2) -> Calibration:
-    made = consensus(fit(uncertainty=uncertainty), camera=camera).calibration
-    assert made is not None
-    return made
+    return consensus(fit(uncertainty=uncertainty), camera=camera).calibration
 
 
 def test_title_names_camera_size_and_error_in_no_language() -> None:

@@ -55,7 +55,6 @@ def test_calibrations_of_the_name_come_first() -> None:
 def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
     def of(contributors: int, **made: Any) -> ConsensusDocument:
         stored = consensus(**made)
-        assert stored.calibration is not None
         said = stored.calibration.model_copy(update={"contributors": contributors})
         return stored.model_copy(update={"calibration": said})
 
@@ -137,13 +136,11 @@ def test_closest_size(
     known = [stored(size) for size in sizes]
     for order in (known, known[::-1]):
         choice = choose(order, asked, 0.0, "rectilinear")
-        assert choice.found is not None
         assert choice.found.img_size == answered
 
 
 def test_only_reliable_consensuses_answer() -> None:
     choice = choose([stored(HD, reason="disagree"), stored(VGA)], HD, 0.0, "rectilinear")
-    assert choice.found is not None
     assert choice.found.img_size == VGA
     choice = choose([stored(HD, reason="disagree"), stored(VGA, reason="too_few")], HD, 0.0, "rectilinear")
     assert (choice.found, choice.reason) == (None, "disagree")

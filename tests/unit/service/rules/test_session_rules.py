@@ -73,7 +73,6 @@ def test_indices_go_up_by_one_and_are_not_used_again() -> None:
         with pytest.raises(ConflictError):
             session_rules.is_idempotent_replay(document, view(index))
     left = session_rules.without_view(document, 1)
-    assert left is not None
     undone = session_rules.with_views(document, left, EstimateDocument(), {})
     assert undone.next_index == 2
     with pytest.raises(ConflictError):
@@ -96,9 +95,7 @@ def test_next_view_forgets_skipped_targets() -> None:
 
 def test_the_calibrations_id_follows_from_the_session() -> None:
     def identify(document: SessionDocument, now: int) -> str:
-        finish = session_result.with_finish(document, now, "contributor", "0.1.0").finish
-        assert finish is not None
-        return finish.calibration_id
+        return session_result.with_finish(document, now, "contributor", "0.1.0").finish.calibration_id
 
     assert identify(DOCUMENT, NOW) == identify(DOCUMENT, NOW + 9)
     day = int(SID[:8], 16) // 86_400 * 86_400

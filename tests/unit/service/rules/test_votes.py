@@ -82,12 +82,11 @@ def test_three_confirm_and_three_withdraw(
     reason: str | None, agree: int, disagree: int, expected: tuple[str | None, str | None]
 ) -> None:
     votes = Votes(agree=agree, disagree=disagree)
-    assert decide_reliability(reason, votes, RULE, confirmable=True, contributors=5) == expected  # type: ignore[arg-type]
+    assert decide_reliability(reason, votes, RULE, confirmable=True, contributors=5) == expected
 
 
 def test_ten_contributors_need_four_votes_to_withdraw() -> None:
     known = consensus()
-    assert known.calibration is not None
     widely = known.model_copy(
         update={"calibration": known.calibration.model_copy(update={"contributors": 10})}
     )
