@@ -1,7 +1,5 @@
 """Sessions of views that are all there already."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -25,18 +23,12 @@ def recorded(client: Client, name: str) -> tuple[tuple[tuple[int, ...], ...], tu
     return ids, seen
 
 
-def offer(client: Client, index: int, ids: tuple[int, ...], view: View) -> dict[str, Any]:
-    answer = client.view(index, list(ids), view.image_points.tolist())
-    assert answer.status == 200, answer.body
-    return answer.json
-
-
 @pytest.mark.parametrize("name", [NAMES[-1], *thorough(*NAMES[:-1])])
 def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
     ids, views = (each[::2] for each in recorded(client, name))  # all of them only take longer
     taken = []
     for i, view in zip(ids, views, strict=True):
-        answer = offer(client, len(taken), i, view)
+        answer = client.view(len(taken), i, view.image_points.tolist()).json
         assert answer["status"] == "capturing", "no error and no number of views ends it"
         assert answer["reason"] != "duplicate"
         taken += [view] if answer["accepted"] else []

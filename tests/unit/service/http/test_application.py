@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -150,17 +151,12 @@ SECRET, NEXT = "e" * 32, "f" * 32
 SETTINGS = Settings.from_environment({**ENVIRONMENT, "EDGE_SECRETS": f"{SECRET},{NEXT}"})
 
 
-class Service:
-    def __init__(self, settings: Settings) -> None:
-        self.settings = settings
-
-
 def address(forwarded: str, shown: str | None, settings: Settings = SETTINGS) -> str:
     headers = [(b"x-forwarded-for", forwarded.encode())]
     if shown is not None:
         headers.append((b"x-calibdb-edge", shown.encode("latin-1")))
     scope = {"type": "http", "headers": headers, "client": ("198.51.100.9", 0)}
-    return Call(Request(scope), b"", Service(settings)).address
+    return Call(Request(scope), b"", SimpleNamespace(settings=settings)).address
 
 
 @pytest.mark.parametrize("forwarded", ["192.0.2.7, 198.51.100.9", "203.0.113.1, 192.0.2.7, 198.51.100.9"])
