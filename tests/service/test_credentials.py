@@ -14,8 +14,6 @@ from infra.web_build.openapi import OPERATIONS
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.intercepted import intercepted_service
 
-QUERY = "camera=Test&platform=X11&img_size=1280x720"
-
 
 def calls(*credentials: str) -> list[tuple[str, str]]:
     """Method and path of every call with at least the first of these credentials, and no others."""
@@ -88,7 +86,7 @@ def test_an_expired_session_id_says_so(stack: Server, client: Client) -> None:
 def test_get_lookup_takes_the_token_in_its_query(client: Client) -> None:
     for name in ("key", "api_key"):
         for token, status in ((TOKEN, 307), ("cdb_dev_x", 403)):
-            query = f"{QUERY}&{name}={token}"
+            query = f"camera=Test&platform=X11&img_size=1280x720&{name}={token}"
             assert client.call("GET", "/v1/lookup", token="", query=query).status == status
 
 
