@@ -49,21 +49,25 @@ Origins = Annotated[
     ),
     AfterValidator(_different),
 ]
-TokenName = Annotated[Label, Field(max_length=MAX_NAME, description="Label that only you see.")]
+TokenName = Annotated[
+    Annotated[Label, Field(max_length=MAX_NAME)] | None, Field(description="Label that only you see.")
+]
+TokenId = Annotated[str, Field(description="Name of the token; not secret.")]
+NewToken = Annotated[str, Field(description="The API token, shown only once.")]
 
 
 class TokenRequest(Strict):
     """A new token."""
 
     origins: Origins
-    name: TokenName | None = Field(None, description="Label that only you see.")
+    name: TokenName = None
 
 
 class TokenChange(Strict):
     """Change of a token; what is left out stays."""
 
     origins: Origins | None = Field(None, description="All origins from now on.")
-    name: TokenName | None = Field(None, description="Label that only you see.")
+    name: TokenName = None
 
 
 class RotationRequest(Strict):
@@ -149,7 +153,7 @@ class TokenUse(Open):
 class TokenFacts(Open):
     """All about a token but its secrets. Times are unix seconds."""
 
-    id: str = Field(description="Name of the token; not secret.")
+    id: TokenId
     name: str | None = Field(description="Label that only you see.")
     plan: str = Field(description="Plan of the token.")
     origins: tuple[OriginState, ...] = Field(
@@ -170,7 +174,7 @@ class ManagedToken(TokenFacts):
 class TokenCreated(TokenFacts):
     """A new token. Both secrets are shown this once."""
 
-    token: str = Field(description="The API token, shown only once.")
+    token: NewToken
     management_token: str = Field(
         description="Secret that manages the token, shown only once. Keep it out of pages."
     )
@@ -179,8 +183,8 @@ class TokenCreated(TokenFacts):
 class TokenRotated(Open):
     """The token with its new secret, shown this once."""
 
-    id: str = Field(description="Name of the token; not secret.")
-    token: str = Field(description="The API token, shown only once.")
+    id: TokenId
+    token: NewToken
     former_until: int | None = Field(
         description="Expiry of the previous secret, unix seconds; null: expired."
     )

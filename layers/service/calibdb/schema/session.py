@@ -34,8 +34,9 @@ from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
-Fact = Annotated[str, Field(max_length=64)]
-Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
+_REPORTED = Field(description="As the track reports it.")
+Fact = Annotated[Annotated[str, Field(max_length=64)] | None, _REPORTED]
+Quantity = Annotated[Annotated[float, Field(ge=-1e9, le=1e9)] | None, _REPORTED]
 Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
 End = Literal["target", "plateau", "limit", "nothing_new", "asked"]
 
@@ -82,13 +83,13 @@ class Track(Open):
     A page may send all settings of the track; what is not listed here, such as ids of devices, is not kept.
     """
 
-    focusMode: Fact | None = Field(None, description="As the track reports it.")  # noqa: N815 - names of the MediaStreamTrack's settings
-    focusDistance: Quantity | None = Field(None, description="As the track reports it.")  # noqa: N815
-    facingMode: Fact | None = Field(None, description="As the track reports it.")  # noqa: N815
-    resizeMode: Fact | None = Field(  # noqa: N815
+    focusMode: Fact = None  # noqa: N815 - names of the MediaStreamTrack's settings
+    focusDistance: Quantity = None  # noqa: N815
+    facingMode: Fact = None  # noqa: N815
+    resizeMode: Fact = Field(  # noqa: N815
         None, description="As the track reports it. Cropped streams have different intrinsics."
     )
-    frameRate: Quantity | None = Field(None, description="As the track reports it.")  # noqa: N815
+    frameRate: Quantity = None  # noqa: N815
 
 
 class LicenceRequest(Strict, Licensed):

@@ -1,5 +1,6 @@
 """The rules of a capture on its document alone."""
 
+from contextlib import nullcontext
 from typing import Any
 
 import pytest
@@ -38,12 +39,8 @@ def test_no_persons_name_enters_a_document() -> None:
     ],
 )
 def test_the_image_ends_half_a_pixel_beyond_its_centres(point: tuple[float, float], inside: bool) -> None:
-    if inside:
+    with nullcontext() if inside else pytest.raises(InvalidError, match=r"points\.0"):
         session_rules.validate_view(DOCUMENT, view(0, (point,)))
-        return
-    with pytest.raises(InvalidError) as refused:
-        session_rules.validate_view(DOCUMENT, view(0, (point,)))
-    assert [f.field for f in refused.value.fields] == ["points.0"]
 
 
 @pytest.mark.parametrize(
