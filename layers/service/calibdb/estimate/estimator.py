@@ -12,7 +12,7 @@ from calibdb.estimate.crops import zoom_change
 from calibdb.estimate.device import Device, device_of
 from calibdb.estimate.evidence import Evidence, combine
 from calibdb.estimate.knowledge import Knowledge, default_knowledge
-from calibdb.estimate.population import Population
+from calibdb.estimate.population import QUANTILE, Population
 from calibdb.estimate.projection import distort_ray
 from calibdb.schema import FitRecord, Uncertainty
 from calibdb.schema.estimate import Estimate, EstimateBasis, EstimateInterval
@@ -21,7 +21,6 @@ _BASES: tuple[EstimateBasis, ...] = (
     *("calibrations", "views", "device", "other_size", "published", "family", "population"),
 )
 _ZEROS = {"rectilinear": 5, "rational": 8, "fisheye": 4}  # coefficients of a lens without distortion
-_QUANTILE = 1.645  # of the normal distribution, 95 %
 _PRIOR_WIDENING = 2.0
 _CROPPED_SIGMA = 0.25
 
@@ -72,12 +71,12 @@ def combine_evidence(
         stated = [*stated, replace(prior, sigma=_PRIOR_WIDENING * prior.sigma)]
     mean, total = combine(stated)
     best = min(stated, key=lambda e: _BASES.index(e.basis))
-    return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
+    return Distribution(mean, mean - QUANTILE * total, mean + QUANTILE * total, best)
 
 
 def _prior_only(prior: Evidence, population: Population, sigma: float) -> Distribution:
     below, above = population.median - population.low, population.high - population.median
-    reach = _QUANTILE * sigma
+    reach = QUANTILE * sigma
     return Distribution(
         prior.mean, prior.mean - math.hypot(below, reach), prior.mean + math.hypot(above, reach), prior
     )

@@ -21,7 +21,7 @@ _LENS_KINDS = ("phone_ultrawide", "phone_tele")
 _MIN_FAMILY = 4
 _POOLED_FREEDOM = 32  # weight of other makers, models
 _MIN_QUANTILE_COUNT = 19  # models from which the 5th and 95th percentiles are inside the sample
-_QUANTILE = 1.645  # of the normal distribution, 95 %
+QUANTILE = 1.645  # of the normal distribution, 95 %
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Population:
     @property
     def sigma(self) -> float:
         """Standard deviation of a normal distribution with this interval."""
-        return (self.high - self.low) / (2 * _QUANTILE)
+        return (self.high - self.low) / (2 * QUANTILE)
 
 
 def members(facts: Iterable[Fact], kind: str) -> list[Fact]:
@@ -97,7 +97,7 @@ def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | 
 
 def _student_t(freedom: int) -> float:
     """95 % quantile of the t distribution, within 2 % from two degrees of freedom (Cornish-Fisher)."""
-    z = _QUANTILE
+    z = QUANTILE
     g1 = (z**3 + z) / 4
     g2 = (5 * z**5 + 16 * z**3 + 3 * z) / 96
     g3 = (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384

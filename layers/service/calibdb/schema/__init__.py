@@ -13,7 +13,7 @@ from calibdb.schema.cameras import (
     CameraDetail,
     CameraList,
 )
-from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView, ComparisonAnswer, GivenCalibration
+from calibdb.schema.checks import CheckAnswer, CheckRequest, ComparisonAnswer, GivenCalibration
 from calibdb.schema.documents import (
     CalibrationDocument,
     ConsensusDocument,

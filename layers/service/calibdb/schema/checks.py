@@ -20,10 +20,6 @@ Fit = Annotated[
 ]
 
 
-class CheckView(ObservedCorners):
-    """One frame: the board corners seen."""
-
-
 class GivenCalibration(Intrinsics):
     """A calibration at hand: a document as the service returns it, of which these members count."""
 
@@ -34,7 +30,7 @@ class CheckRequest(StreamKey, Licensed):
     """A camera key and fresh views."""
 
     board: DescribedBoard = Board()
-    views: tuple[CheckView, ...] = Field(
+    views: tuple[ObservedCorners, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )
     calibration: GivenCalibration | None = Field(

@@ -134,13 +134,13 @@ class UseCounts(Open):
 class HourOfUse(UseCounts):
     """Calls of one hour, UTC."""
 
-    hour: str = Field(examples=["2026-11-22T16"], description="Start of the hour (UTC), unix seconds.")
+    hour: str = Field(examples=["2026-11-22T16"], description="Hour, UTC.")
 
 
 class DayOfUse(UseCounts):
     """Calls of one day, UTC."""
 
-    day: str = Field(examples=["2026-11-22"], description="Start of the day (UTC), unix seconds.")
+    day: str = Field(examples=["2026-11-22"], description="Day, UTC.")
 
 
 class TokenUse(Open):

@@ -18,7 +18,7 @@ from calibdb.schema.fields import (
     is_none,
 )
 from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
-from calibdb.schema.session import HintName, TargetView
+from calibdb.schema.session import HintName, Remark, TargetView
 
 RigUnit = Literal["squares", "metres"]
 RigVerdictReason = Literal["uncertain", "held_out", "set_aside"]
@@ -125,13 +125,12 @@ class RigTarget(Open):
     cameras: tuple[RigTargetView, ...] = Field(description="Cameras that are absent would not see it.")
 
 
-class RigAdvice(Open):
+class RigAdvice(Remark):
     """Something that those who capture should know of the rig."""
 
     code: Literal[
         "waiting", "unlinked", "no_fit", "contradicts", "set_aside", "turned", "too_few_views", "converged"
     ] = Field(description="Identifier for programs.")
-    text: str = Field(description="Text for people.")
     positions: tuple[int, ...] = ()
 
 

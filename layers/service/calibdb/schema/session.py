@@ -176,7 +176,13 @@ class ViewState(Open):
     )
 
 
-class Advice(Open):
+class Remark(Open):
+    """Something for people."""
+
+    text: str = Field(description="Text for people.")
+
+
+class Advice(Remark):
     """Something the user should know of the whole capture."""
 
     code: Literal[
@@ -187,7 +193,6 @@ class Advice(Open):
         "motion",
         "focus_changed",
     ] = Field(description="Identifier for programs.")
-    text: str = Field(description="Text for people.")
 
 
 class Hint(Open):
@@ -197,11 +202,10 @@ class Hint(Open):
     text: str = Field(description="English, at most six words.")
 
 
-class VerdictReason(Open):
+class VerdictReason(Remark):
     """Reason why a calibration is not good: a code for programs, a sentence for people."""
 
     code: str = Field(description="Identifier for programs.")
-    text: str = Field(description="Text for people.")
 
 
 class Verdict(Open):

@@ -13,7 +13,7 @@ from calibdb.rules.votes import (
     vote_id,
     with_votes,
 )
-from calibdb.schema import CheckRequest, CheckView, Votes
+from calibdb.schema import CheckRequest, Votes
 from calibdb.settings import Thresholds
 from tests.helpers.service.known import consensus
 
@@ -99,7 +99,7 @@ def test_unconfirmable_calibrations_stay_unreliable() -> None:
 
 
 def test_a_vote_is_one_of_its_contributor_camera_size_and_day() -> None:
-    view = CheckView(ids=(0,), points=((1.0, 1.0),))
+    view = {"ids": (0,), "points": ((1.0, 1.0),)}
     asked = CheckRequest(camera="C", platform="P", img_size=(1280, 720), views=(view,))
     sid = f"{NOW:08x}0123456789abcdef"
 
