@@ -15,13 +15,12 @@ from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, calibration, store
 
 NAME = "Two fields of view"
-FOCALS = (950.0, 760.0, 953.0, 758.0)
 MODES = {"Off": 760.0, "Stabilisation on": 950.0}
 
 
 def publish(stack: Server, camera: str, *names: str | None) -> None:
     """Publish two calibrations of each mode: neither is in the majority that a consensus needs."""
-    made = [calibration(camera, n, fx=fx, fy=fx - 2) for n, fx in enumerate(FOCALS)]
+    made = [calibration(camera, n, fx=fx, fy=fx - 2) for n, fx in enumerate((950.0, 760.0, 953.0, 758.0))]
     documents = (d.model_copy(update={"mode_name": name}) for d, name in zip(made, names, strict=True))
     published.publish(stack, *documents)
 

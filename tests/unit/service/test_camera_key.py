@@ -25,19 +25,19 @@ HOME, USERS = "home", "Users"  # folders of persons, apart from the paths that h
 @pytest.mark.parametrize(
     ("one", "other"),
     [
-        (("HD Pro Webcam C920 (046d:082d)", LINUX), ("Logitech HD Pro Webcam C920 (046D:082D)", LINUX)),
+        ((C920, LINUX), ("Logitech HD Pro Webcam C920 (046D:082D)", LINUX)),
         (("HD Pro Webcam C920", WINDOWS), ("Logitech HD Pro Webcam C920", "Windows NT 11.0; ARM64")),
         (("Microsoft® LifeCam Studio(TM)", LINUX), ("LifeCam  Studio", LINUX)),
         (("MacBook Pro Camera (0000:0001)", MAC), ("MacBook Pro Camera", MAC)),
         (("Cam", f"Mozilla/5.0 ({LINUX}) Gecko/20100101 Firefox/140.0"), ("Cam", LINUX)),
         (("Integrated Camera", LINUX), ("Integrated Camera", "X11; Ubuntu; Linux x86_64; rv:140.0")),
         (
-            ("camera2 0, facing back", "Linux; Android 14; Pixel 8"),
+            ("camera2 0, facing back", ANDROID),
             ("camera 0, facing back", "Linux; Android 15; Pixel 8 Build/AP1A.240505.004"),
         ),
         # client hints, written as the user agent would
         (
-            ("camera2 0, facing back", "Linux; Android 14; Pixel 8"),
+            ("camera2 0, facing back", ANDROID),
             ("camera2 0, facing back", "Android; Pixel 8"),
         ),
         (("OBS Virtual Camera (m-de:vice)", MAC), ("OBS Virtual Camera", WINDOWS)),
@@ -77,7 +77,7 @@ def test_different_cameras(one: tuple[str, str], other: tuple[str, str]) -> None
     [
         ("Integrated Camera (04f2:b6d0)", LINUX, False),
         ("Razer Kiyo", WINDOWS, False),
-        ("camera2 0, facing back", "Linux; Android 14; Pixel 8", False),
+        ("camera2 0, facing back", ANDROID, False),
         ("camera2 0, facing back", "Linux; Android 10; K", True),  # what browsers say since 2023
         ("Back Dual Wide Camera", IPHONE, True),  # of which iPhone?
         ("Integrated Camera", LINUX, True),
@@ -234,7 +234,7 @@ TEXT = st.text(max_size=60) | st.lists(
 
 @given(
     label=TEXT,
-    platform=st.sampled_from([LINUX, MAC, IPHONE, "Linux; Android 14; Pixel 8"]) | st.text(max_size=40),
+    platform=st.sampled_from([LINUX, MAC, IPHONE, ANDROID]) | st.text(max_size=40),
 )
 def test_stored_label_gives_the_same_key(label: str, platform: str) -> None:
     """The index is rebuilt from what is stored, which carries no person's name."""
@@ -245,10 +245,10 @@ def test_stored_label_gives_the_same_key(label: str, platform: str) -> None:
 
 
 def test_a_distinct_name_leads_to_its_usb_id_from_every_computer() -> None:
-    with_id = identify("HD Pro Webcam C920 (046d:082d)", LINUX)
+    with_id = identify(C920, LINUX)
     for platform in (LINUX, WINDOWS, MAC, "X11; CrOS x86_64 14541.0.0", "curl/8"):
         assert camera_key("HD Pro Webcam C920", platform) in with_id.name_keys
-    assert camera_key("HD Pro Webcam C920", "Linux; Android 14; Pixel 8") not in with_id.name_keys
+    assert camera_key("HD Pro Webcam C920", ANDROID) not in with_id.name_keys
     built_in = identify("Integrated Camera (04f2:b6d0)", LINUX)
     assert built_in.name_keys == {camera_key("Integrated Camera", LINUX)}
 
@@ -258,17 +258,7 @@ def test_text_behind_a_repeated_name_makes_another_camera() -> None:
     assert camera_key(text, LINUX) != camera_key(C920, LINUX)
 
 
-ZERO_WIDTH = (
-    "\ufe0f",
-    "\u034f",
-    "\u200b",
-    "\u2060",
-    "\u00ad",
-    "\U000e0041",
-    "\u180e",
-    "\U000e0100",
-    "\ufeff",
-)
+ZERO_WIDTH = "\ufe0f\u034f\u200b\u2060\u00ad\U000e0041\u180e\U000e0100\ufeff"
 
 
 @pytest.mark.parametrize(
@@ -288,7 +278,7 @@ def test_disguised_label_has_the_plain_name_and_key(text: str) -> None:
     assert camera_key(text, LINUX) == camera_key(C920, LINUX)
 
 
-@pytest.mark.parametrize("blank", ["\u3164", "\u2800", "\u115f", "\u1160", "\uffa0", "\u3164 \u2800"])
+@pytest.mark.parametrize("blank", ["\u3164", "\u2800", "\u115f", "\u1160", "\uffa0"])
 def test_label_of_nothing_visible_is_refused(blank: str) -> None:
     with pytest.raises(ValidationError):
         LookupRequest.model_validate({"camera": blank, "platform": LINUX, "img_size": [1280, 720]})

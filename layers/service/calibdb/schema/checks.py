@@ -9,9 +9,8 @@ from calibdb.schema.calibration import Calibration, Intrinsics
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import Coefficients, Open, StreamKey
 from calibdb.schema.licence import Licensed
-from calibdb.schema.observed_corners import ObservedCorners
+from calibdb.schema.observed_corners import MAX_VIEWS, ObservedCorners
 
-MAX_VIEWS = 5
 MAX_COEFFICIENTS = 14  # of a distortion model
 
 

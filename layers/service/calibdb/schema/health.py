@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from calibdb.schema.fields import Open
+from calibdb.schema.fields import Open, UnixTime
 from calibdb.schema.problem import Problem
 from calibdb.schema.session import Health
 
@@ -25,7 +25,7 @@ class CanaryRun(Open):
     """Last lookup and capture that the service made of itself, if it makes any."""
 
     ok: bool = Field(description="True if it works.")
-    at: int = Field(description="Unix seconds.")
+    at: UnixTime
     took_ms: int = Field(description="Duration, ms.")
     failed_at: CanaryStep | None = Field(None, description="The step that failed; null: none.")
 

@@ -18,12 +18,11 @@ from calibdb.schema.fields import (
     size_text,
     zoom_text,
 )
-from calibdb.schema.observed_corners import ObservedCorners
+from calibdb.schema.observed_corners import MAX_VIEWS, ObservedCorners
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
 MissReason = Annotated[Reason, Field(description="Reason, for programs.")]
 GuidanceUrl = Annotated[str, Field(description="Page that calibrates the camera.")]
-MAX_LOOKUP_VIEWS = 5
 ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
 
 
@@ -97,7 +96,7 @@ class LookupRequest(StreamKey):
     board: DescribedBoard = Board()
     views: tuple[ObservedCorners, ...] = Field(
         (),
-        max_length=MAX_LOOKUP_VIEWS,
+        max_length=MAX_VIEWS,
         description="Frames of the board, tilted differently. If the calibrations of the camera fall into "
         "groups, the estimate is the group that fits. Not in a query.",
     )

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.fields import Label, Open, Strict
+from calibdb.schema.fields import Label, Open, Strict, UnixTime
 from calibdb.schema.origins import MAX_ORIGIN_LENGTH, ORIGIN_PATTERN, requirement
 
 MAX_ORIGINS = 10
@@ -159,7 +159,7 @@ class TokenFacts(Open):
     origins: tuple[OriginState, ...] = Field(
         description="Origins whose pages may use the token, each with its state."
     )
-    created: int = Field(description="Unix seconds.")
+    created: UnixTime
     expires: int | None = Field(description="Expiry of an unused trial token, unix seconds.")
     former_until: int | None = Field(description="Expiry of the previous secret, unix seconds.")
     limits: HourlyLimits = Field(description="Limits of the plan, by hour.")
