@@ -23,8 +23,7 @@ from calibdb.schema.fields import Deferred, Strict
 from tests.conftest import THOROUGH
 
 FUZZ = settings(
-    max_examples=int(os.environ.get("CASES", "160")) // 40,
-    deadline=None,
+    max_examples=int(os.environ.get("CASES", "400" if THOROUGH else "160")) // 40,
     derandomize=True,
     database=None,
     suppress_health_check=list(HealthCheck),
