@@ -26,10 +26,6 @@ _MAX_OVERHANG = 0.02  # of a side by which a crop may stick out
 _MIN_SCALE_LOG = 0.03  # by which "scale+crop" differs from the plain ones, or is a bad fit of these
 _MIN_COMMON_RAYS = 40  # rays that both must see
 
-# Members of which an interpolated calibration has the less certain value.
-_COUNTS = ("calibrations", "contributors", "calibration_time")
-_ERRORS = ("avg_reprojection_error", "spread", "held_out_error", "systematic")
-
 
 @dataclass(frozen=True)
 class Window:
@@ -70,14 +66,19 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
         "distortion_coefficients": distortion,
         "zoom": zoom,
         "id": None,
-        **{name: min(getattr(lower, name), getattr(upper, name)) for name in _COUNTS},
-        **{name: _both(max, getattr(lower, name), getattr(upper, name)) for name in _ERRORS},
+        "calibrations": min(lower.calibrations, upper.calibrations),
+        "contributors": min(lower.contributors, upper.contributors),
+        "calibration_time": min(lower.calibration_time, upper.calibration_time),
+        "avg_reprojection_error": max(lower.avg_reprojection_error, upper.avg_reprojection_error),
         "uncertainty": Uncertainty(
             rms=max(lower.uncertainty.rms, upper.uncertainty.rms),
             max=max(lower.uncertainty.max, upper.uncertainty.max),
             inside=_both(max, lower.uncertainty.inside, upper.uncertainty.inside),
             covered=_both(min, lower.uncertainty.covered, upper.uncertainty.covered),
         ),
+        "spread": _both(max, lower.spread, upper.spread),
+        "held_out_error": _both(max, lower.held_out_error, upper.held_out_error),
+        "systematic": _both(max, lower.systematic, upper.systematic),
     }
     adapted = Adapted(
         img_size=lower.img_size,
