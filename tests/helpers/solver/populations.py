@@ -122,9 +122,11 @@ def profiles() -> dict[Mode, list[tuple[Camera, float]]]:
     return modes
 
 
+def member(name: str, camera: Camera, rng: np.random.Generator, **options: Any) -> Member:
+    """Calibration of a camera by a contributor of that name; options as of `views`."""
+    return Member(name, name, tuple(views(camera, rng, **options)))
+
+
 def members(cameras: Sequence[tuple[Camera, float]], rng: np.random.Generator) -> list[Member]:
     """One calibration each of cameras, with the noise that the rms px of its own calibration shows."""
-    return [
-        Member(str(i), str(i), tuple(views(camera, rng, rms / np.sqrt(2))))
-        for i, (camera, rms) in enumerate(cameras)
-    ]
+    return [member(str(i), camera, rng, noise=rms / np.sqrt(2)) for i, (camera, rms) in enumerate(cameras)]

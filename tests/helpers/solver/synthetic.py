@@ -79,6 +79,13 @@ def of_diagonal(model: str, d: np.ndarray, angle: float, rng: np.random.Generato
     return Camera(model, camera_matrix(np.hypot(*IMG_SIZE) / 2 / reach, rng), d, IMG_SIZE)
 
 
+def zoomed(camera: Camera, factor: float) -> Camera:
+    """The camera with `factor` times its focal lengths."""
+    k = camera.intrinsics
+    k[:2] *= factor
+    return Camera.from_intrinsics(camera.model, k, camera.img_size)
+
+
 def tilt_deg(board: Board, r: np.ndarray, tvec: np.ndarray) -> float:
     """Angle between the normal of a board and the line of sight to its middle."""
     center = r @ board.outline.mean(axis=0) + tvec

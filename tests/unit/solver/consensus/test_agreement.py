@@ -5,11 +5,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from calibsolver import Calibration, Camera, View
+from calibsolver import Calibration
 from calibsolver.consensus.agreement import difference
 from calibsolver.consensus.fit_memory import fit_once
-from calibsolver.consensus.pooling import Member, Rule, pool
-from tests.helpers.data import available, corner_views, external_data
+from calibsolver.consensus.pooling import Member, pool
+from tests.helpers.data import external_data
 from tests.helpers.marks import thorough
 from tests.helpers.solver import attacks, populations, synthetic
 
@@ -43,14 +43,10 @@ def fitted(member: Member) -> Calibration:
     return fit_once(member.views, synthetic.IMG_SIZE, "rectilinear")
 
 
-def contribute(name: str, camera: Camera, effort: attacks.Effort, rng: np.random.Generator) -> Member:
-    return Member(name, name, tuple(populations.views(camera, rng, effort.noise, effort.views)))
-
-
 def test_honest_contributors_of_poor_views_weigh_little() -> None:
     camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(4)
-    precise = [contribute(f"p{i}", camera, attacks.Effort(6), rng) for i in range(5)]
-    poor = [contribute(f"v{i}", camera, attacks.EFFORTS["very poor views"], rng) for i in range(2)]
+    precise = [populations.member(f"p{i}", camera, rng) for i in range(5)]
+    poor = [populations.member(f"v{i}", camera, rng, noise=2.0, count=3) for i in range(2)]
     before, after = (
         pool(group, camera.img_size, "rectilinear", attacks.RULE) for group in (precise, [*precise, *poor])
     )
@@ -64,7 +60,7 @@ def test_honest_contributors_of_poor_views_weigh_little() -> None:
 
 def test_consensus_that_states_too_much_is_imprecise() -> None:
     camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(4)
-    members = [contribute(str(i), camera, attacks.Effort(3, 3.0), rng) for i in range(5)]
+    members = [populations.member(str(i), camera, rng, noise=3.0, count=3) for i in range(5)]
     pooled = pool(members, camera.img_size, "rectilinear", attacks.RULE)
     assert len(pooled.members) == 5
     assert pooled.coverage.rms > 1.5
@@ -92,51 +88,3 @@ def test_profiles_of_five_lenses_do_not_agree() -> None:
     lenses = [v for mode, v in modes if mode[1] == "KOMODO 6K" and mode[2] and mode[4] == "5760"]
     drawn = [lenses[i][0] for i in rng.choice(len(lenses), 5, replace=False)]
     assert not pool(populations.members(drawn, rng), drawn[0][0].img_size, "fisheye").reliable
-
-
-def test_groups_do_not_depend_on_order() -> None:
-    rng = np.random.default_rng(2)
-    camera = synthetic.rectilinear_cameras()[4]
-    specimens = [attacks.vary(camera, 0.002, rng) for _ in range(6)]
-    k = camera.intrinsics
-    k[:2] *= 1.03
-    specimens += [Camera.from_intrinsics("rectilinear", k, camera.img_size)] * 2
-    members = [Member(str(i), str(i), tuple(populations.views(c, rng))) for i, c in enumerate(specimens)]
-    order = rng.permutation(8)
-    groups = pool(members, camera.img_size, "rectilinear").groups
-    assert groups == (tuple("012345"), tuple("67"))
-    shuffled = pool([members[i] for i in order], camera.img_size, "rectilinear").groups
-    assert [set(group) for group in shuffled] == [set(group) for group in groups]
-
-
-REAL = {"jy_left": "fisheye", "babel_ov_plane": "fisheye"} | dict.fromkeys(
-    ("pv_picam_320", "pv_picam_640", "pv_picam_960"), "rectilinear"
-)
-
-
-@pytest.mark.parametrize("name", ["jy_left", *thorough(*available(sorted(REAL.keys() - {"jy_left"})))])
-def test_contributors_of_one_real_camera_agree(name: str) -> None:
-    views, size = corner_views(name)
-    order = np.random.default_rng(0).permutation(len(views))
-    count = min(8, len(views) * 3 // 20)
-    parts = [[views[i] for i in order[a * count : (a + 1) * count]] for a in range(5)]
-    members = [Member(str(a), str(a), tuple(part)) for a, part in enumerate(parts)]
-    pooled = pool(members, size, REAL[name], Rule(min_contributors=3))
-    assert pooled.members == tuple("01234")
-    assert pooled.calibration.uncertainty().rms < 6, "also at the rim of a fisheye's domain"
-
-
-@external_data
-@pytest.mark.parametrize(
-    "pair", [("pv_picam_640", "pv_picam_960"), *thorough((("pv_picam_320", "pv_picam_640"),))]
-)
-def test_another_mode_of_a_real_camera_is_kept_out(pair: tuple[str, str]) -> None:
-    views, size = corner_views(pair[0])
-    others, other_size = corner_views(pair[1])
-    scale = np.array(size) / other_size
-    rng = np.random.default_rng(0)
-    order, drawn = rng.permutation(len(views)), rng.permutation(len(others))[:4]
-    members = [Member(str(a), str(a), tuple(views[i] for i in order[4 * a : 4 * a + 4])) for a in range(5)]
-    resized = [View(others[i].object_points, (others[i].image_points + 0.5) * scale - 0.5) for i in drawn]
-    found = pool([*members, Member("other mode", "5", tuple(resized))], size, "rectilinear")
-    assert found.members == tuple("01234")

@@ -15,8 +15,7 @@ SIZE = CAMERA.img_size
 
 
 def member(seed: int) -> Member:
-    views = populations.views(CAMERA, np.random.default_rng(seed), count=4)
-    return Member(f"m{seed}", f"c{seed}", tuple(views))
+    return populations.member(f"m{seed}", CAMERA, np.random.default_rng(seed), count=4)
 
 
 @pytest.fixture

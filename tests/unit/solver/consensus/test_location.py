@@ -1,67 +1,38 @@
 """Location of contributors: equal weights and bounded influence."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from calibsolver import Camera, fit
+from calibsolver import Board, Camera, fit
 from calibsolver.consensus import Member, Rule, difference, pool
 from calibsolver.consensus.location import MAX_VIEW_POINTS, Contributions, FittedMember, thin
 from tests.helpers.marks import thorough
-from tests.helpers.solver import populations, synthetic, worlds
+from tests.helpers.solver import attacks, populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
 RULE = Rule(min_contributors=3)
+DENSE = Board((50, 50), dictionary="DICT_APRILTAG_36h10")
 MOVED = 1.0
 """px over the image, by which no two contributors may move a reliable answer."""
 
 
-def scaled(factor: float) -> Camera:
-    k = CAMERA.intrinsics
-    k[:2] *= factor
-    return Camera.from_intrinsics(CAMERA.model, k, SIZE)
-
-
 @cache
-def fitted(camera: Camera, contributor: str, seed: int, corners: int = 40) -> FittedMember:
+def fitted(camera: Camera, name: str, seed: int, board: Board = populations.BOARD) -> FittedMember:
     rng = np.random.default_rng(seed)
-    board = worlds.draw_board(rng, corners)
-    views = tuple(populations.views(camera, rng, 0.05, 6, board=board))
-    return FittedMember(Member(f"{contributor}{seed}", contributor, views), fit(views, SIZE))
-
-
-@pytest.fixture(scope="module")
-def honest() -> list[FittedMember]:
-    """Specimens 0.1 % apart, the last three of one contributor."""
-    factors = (0.999, 1.001, 1.0, 1.001, 1.002)
-    return [fitted(scaled(f), "abccc"[i], i) for i, f in enumerate(factors)]
-
-
-def test_location_is_the_mean_of_contributors(honest: list[FittedMember]) -> None:
-    found = Contributions(honest, CAMERA).relinearize(range(5))
-    location = found.locate(range(5))
-    assert location.weights.min() > 0.8
-    assert difference(found.camera_at(location), scaled(1 + (-0.001 + 0.001 + 0.001) / 3)) < 0.1
-
-
-def test_names_of_contributors_change_nothing(honest: list[FittedMember]) -> None:
-    renamed = [
-        replace(f, member=replace(f.member, contributor={"a": "z", "b": "y", "c": "x"}[f.member.contributor]))
-        for f in honest
-    ]
-    locations = [Contributions(each, CAMERA).locate(range(5)).y for each in (honest, renamed)]
-    assert locations[0].tobytes() == locations[1].tobytes()
+    member = populations.member(name, camera, rng, noise=0.05, board=board)
+    return FittedMember(member, fit(member.views, SIZE))
 
 
 @pytest.mark.parametrize(
-    ("lie", "corners"), [(1.02, 2401), (1.3, 40), *thorough((1.005, 40), (1.02, 40), (1.05, 6))]
+    ("lie", "board"),
+    [(1.02, DENSE), (1.3, Board()), *thorough((1.005, Board()), (1.02, Board()), (1.05, Board((4, 3))))],
 )
-def test_liar_however_far_or_dense_pulls_no_harder(lie: float, corners: int) -> None:
+def test_liar_however_far_or_dense_pulls_no_harder(lie: float, board: Board) -> None:
     members = [fitted(CAMERA, f"h{i}", i) for i in range(5)]
-    members += [fitted(scaled(lie), f"l{i}", 5 + i, corners) for i in range(2)]
+    members += [fitted(synthetic.zoomed(CAMERA, lie), f"l{i}", 5 + i, board) for i in range(2)]
     found = Contributions(members, members[0].calibration.camera).relinearize(range(7))
     alone = found.locate(range(5)).y
     assert found.length(found.locate(range(6)).y - alone) < 0.25
@@ -70,22 +41,20 @@ def test_liar_however_far_or_dense_pulls_no_harder(lie: float, corners: int) -> 
 
 
 def test_thinned_points_stand_for_all() -> None:
-    view = fitted(CAMERA, "dense", 0, corners=2401).member.views[0]
+    view = fitted(CAMERA, "dense", 0, DENSE).member.views[0]
     thinned, share = thin(view, np.ones(len(view), dtype=bool))
     assert len(thinned) == MAX_VIEW_POINTS < len(view)
     assert share == pytest.approx(len(view) / MAX_VIEW_POINTS)
 
 
-@pytest.mark.parametrize(
-    ("number", "corners"), [(4, 2401), *thorough((0, None), (1, None), (2, None), (3, None))]
-)
-def test_liars_in_honest_worlds_move_no_reliable_answer(number: int, corners: int | None) -> None:
-    rng = np.random.default_rng((19, number))
-    product = worlds.world(rng)
-    honest = [worlds.member(f"h{i}", worlds.specimen(product, rng), rng) for i in range(5)]
+@pytest.mark.parametrize(("lie", "board"), [(1.005, DENSE), *thorough((0.994, DENSE), (1.007, Board()))])
+def test_liars_among_different_specimens_move_no_reliable_answer(lie: float, board: Board) -> None:
+    rng = np.random.default_rng(19)
+    specimens = [attacks.vary(CAMERA, 0.003, rng) for _ in range(5)]
+    honest = [populations.member(f"h{i}", camera, rng) for i, camera in enumerate(specimens)]
+    false = synthetic.zoomed(CAMERA, lie)
+    liars = [populations.member(f"l{i}", false, rng, noise=0.05, board=board) for i in range(2)]
     before = pool(honest, SIZE, "rectilinear", RULE)
-    false = worlds.lie(product.camera, ("focal", "distortion")[number % 2], rng)
-    liars = [worlds.member(f"l{i}", false, rng, corners) for i in range(2)]
     for count in (1, 2):
         after = pool([*honest, *liars[:count]], SIZE, "rectilinear", RULE)
         moved = difference(before.calibration.camera, after.calibration.camera)
