@@ -100,22 +100,20 @@ def detect(
     rng: np.random.Generator,
     noise: float = 0.2,
     wild: float = 0.0,
-    blur: float = 0.0,
     hand: Hand = STEADY,
     corners: np.ndarray | None = None,
     whole_markers: bool = True,
 ) -> View:
     """Corners as a detector reports them: Gaussian noise, a share `wild` 3 to 50 px off.
 
-    With `whole_markers` the image must also contain what identifies a corner (`Board.support`). With `blur`
-    the noise is 1 + blur times as large at a tilt of 45 degrees. `corners` (n, 3) are those of a bent board.
+    With `whole_markers` the image must also contain what identifies a corner (`Board.support`). `corners` (n,
+    3) are those of a bent board.
     """
     r = rotations.matrix(rvec)
     corners = board.points if corners is None else corners
     q = camera.project(corners @ r.T + tvec)
     if hand.readout_s:
         q = hand.project(corners, camera, rvec, tvec, rng)
-    noise = noise * (1 + blur * (tilt_deg(board, r, tvec) / 45) ** 2)
     inside = distance_to_border(q, camera.img_size) >= BORDER_PX
     if whole_markers:
         places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
@@ -272,14 +270,12 @@ def run(
     board: Board | None = None,
     noise: float = 0.2,
     wild: float = 0.0,
-    blur: float = 0.0,
     user: User | None = None,
     views: int = 6,
     max_views: int = 0,
     capture: Capture | None = None,
     guide: ProjectionUncertainty | Planned | None = None,
     max_attempts: int = 60,
-    hand: Hand = STEADY,
 ) -> Session:
     """One guided capture up to `views` accepted views, beyond its end, which is only noted.
 
@@ -291,7 +287,6 @@ def run(
     chooser = guide or capture.guide
     sitting = Sitting(capture)
     session = Session(views=sitting.views)
-    corners = hand.bend(board, rng)
     skipped: tuple[TargetPose, ...] = ()
     unreached: tuple[TargetPose, ...] = ()
     target: TargetPose | None = None
@@ -305,7 +300,7 @@ def run(
         drawn = capture.camera(None if isinstance(chooser, Planned) else sitting.estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
-        view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
+        view = detect(board, camera, rvec, tvec, rng, noise, wild)
         decision = sitting.offer(target, view)
         if decision.estimate is None:
             session.reasons.append(str(decision.reason))

@@ -15,6 +15,14 @@ CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
 RULE = Rule(min_contributors=3)
 DENSE = Board((50, 50), dictionary="DICT_APRILTAG_36h10")
+CARE = (
+    (Board((4, 4)), 0.1, 12),
+    (Board((6, 5)), 0.6, 5),
+    (Board((14, 9), dictionary="DICT_4X4_100"), 0.3, 4),
+    (Board(), 0.2, 8),
+    (DENSE, 0.4, 4),
+)
+"""Boards of contributors, noise of their corners, px, and numbers of views."""
 MOVED = 1.0
 """px over the image, by which no two contributors may move a reliable answer."""
 
@@ -50,8 +58,12 @@ def test_thinned_points_stand_for_all() -> None:
 @pytest.mark.parametrize(("lie", "board"), [(1.005, DENSE), *thorough((0.994, DENSE), (1.007, Board()))])
 def test_liars_among_different_specimens_move_no_reliable_answer(lie: float, board: Board) -> None:
     rng = np.random.default_rng(19)
-    specimens = [attacks.vary(CAMERA, 0.003, rng) for _ in range(5)]
-    honest = [populations.member(f"h{i}", camera, rng) for i, camera in enumerate(specimens)]
+    honest = [
+        populations.member(
+            f"h{i}", attacks.vary(CAMERA, 0.003, rng), rng, board=own, noise=noise, count=count
+        )
+        for i, (own, noise, count) in enumerate(CARE)
+    ]
     false = synthetic.zoomed(CAMERA, lie)
     liars = [populations.member(f"l{i}", false, rng, noise=0.05, board=board) for i in range(2)]
     before = pool(honest, SIZE, "rectilinear", RULE)

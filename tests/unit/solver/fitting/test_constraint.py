@@ -6,10 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
+from calibsolver import Calibration, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.constraint import Fix
 from tests.helpers.data import corner_views, float32
 from tests.helpers.marks import corner_sets, thorough
+from tests.helpers.solver import populations, synthetic
 
 SETS = corner_sets(["opencv_left", "jy_left", "pv_charuco_480", "pv_picam_640", "derlunz"])
 CRITERIA = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 300, 1e-14)
@@ -22,9 +23,6 @@ CASES: dict[str, tuple[Fix, int]] = {
         cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
     ),
 }
-TRUE = np.array([900.0, 905.0, 652.0, 351.0, -0.3, 0.1, 0.0005, -0.0004, -0.02])
-SIZE = (1280, 720)
-BOARD = Board((9, 6))
 
 
 def some_views(name: str) -> tuple[list[View], tuple[int, int]]:
@@ -81,27 +79,21 @@ def test_robust_fit_holds_the_value_and_has_no_variance_there(name: str, model: 
     assert "(fixed)" in found.summary()
 
 
-def noisy_views(rng: np.random.Generator, sigma: np.ndarray) -> list[View]:
-    """Six tilted views; `sigma` px, of each corner."""
-    camera = Camera.from_intrinsics("rectilinear", TRUE, SIZE)
-    places, out = np.random.default_rng(7), []
-    middle = np.array([*BOARD.points[:, :2].mean(axis=0), 0])
-    for _ in range(6):
-        r = rotation.matrix(np.append(places.uniform(-0.6, 0.6, 2), places.uniform(-0.4, 0.4)))
-        t = places.uniform([-3, -2, 10], [3, 2, 14]) - r @ middle
-        q = camera.project(BOARD.points @ r.T + t)
-        out.append(View(BOARD.points, q + sigma[:, None] * rng.normal(size=q.shape), sigma**-2.0))
-    return out
-
-
 def test_covariance_of_fixed_and_weighted_fits_holds_over_simulations() -> None:
-    sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.0, 0.2)
-    fixed = {"aspect": TRUE[0] / TRUE[1], "cx": TRUE[2], "k3": TRUE[8]}
+    camera = synthetic.rectilinear_cameras()[4]
+    clean = populations.views(camera, np.random.default_rng(7), noise=0.0)
+    k = camera.intrinsics
+    fixed = {"aspect": k[0] / k[1], "cx": k[2], "k3": k[8]}
     free = [0, 3, 4, 5, 6, 7]
     rng, squares = np.random.default_rng(1), []
     for _ in range(40):
-        found = fit(noisy_views(rng, sigma), SIZE, fix=fixed)
-        off = (found.camera.intrinsics - TRUE)[free]
+        noisy = []
+        for view in clean:
+            sigma = np.where(np.arange(len(view)) % 3 == 0, 1.0, 0.2)
+            noise = sigma[:, None] * rng.normal(size=(len(view), 2))
+            noisy.append(View(view.object_points, view.image_points + noise, sigma**-2.0))
+        found = fit(noisy, camera.img_size, fix=fixed)
+        off = (found.camera.intrinsics - k)[free]
         squares.append(off @ np.linalg.solve(found.covariance[np.ix_(free, free)], off))
     assert np.mean(squares) == pytest.approx(6, abs=3 * np.sqrt(12 / 40))
 

@@ -114,18 +114,24 @@ def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
     assert robust.avg_reprojection_error < 1.02 * plain.avg_reprojection_error
 
 
-def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
+def test_errors_are_over_all_points_of_the_board_in_its_shape() -> None:
     views, size = corner_views("opencv_left")
     c = fit(views, size)
-    squares = []
-    for view, (rx, ry, rz, *t), rms in zip(c.shaped(views), c.poses, c.view_errors, strict=True):
-        q, _ = cv2.projectPoints(
-            view.object_points, np.array([rx, ry, rz]), np.array(t), c.camera.matrix, c.camera.distortion
-        )
-        e = np.sum((q[:, 0] - view.image_points) ** 2, axis=1)
-        assert rms == pytest.approx(np.sqrt(e.mean()), rel=1e-6)
-        squares.append(e)
-    assert c.avg_reprojection_error == pytest.approx(np.sqrt(np.concatenate(squares).mean()), rel=1e-9)
+    assert c.board_shape is not None
+    matrix, distortion = np.array(c.camera.matrix), np.array(c.camera.distortion)
+    for view, pose, residuals, error in zip(
+        c.shaped(views), c.poses, c.residuals, c.view_errors, strict=True
+    ):
+        q, _ = cv2.projectPoints(view.object_points, pose[:3], pose[3:], matrix, distortion)
+        np.testing.assert_allclose(residuals, view.image_points - q[:, 0], atol=1e-6)
+        assert error == pytest.approx(rms_of(residuals), rel=1e-9)
+    every = np.concatenate(c.residuals)
+    assert c.avg_reprojection_error == pytest.approx(rms_of(every), rel=1e-9)
+    assert c.rms_inliers == pytest.approx(rms_of(every[np.concatenate(c.used)]), rel=1e-9)
+
+
+def rms_of(residuals: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum(residuals**2, axis=1))))
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])

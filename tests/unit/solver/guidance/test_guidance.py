@@ -19,7 +19,6 @@ from calibsolver.guidance.posterior import IntrinsicsPosterior, systematic_share
 from infra.web_build import plan
 from tests.helpers.marks import thorough
 from tests.helpers.solver import intervals, peers, populations, synthetic
-from tests.helpers.solver.peers import Comfortable
 
 BOARD, SIZE = Board(), synthetic.IMG_SIZE
 CAMERAS = synthetic.rectilinear_cameras()
@@ -204,11 +203,6 @@ def test_gross_outliers_hardly_raise_the_error() -> None:
 def test_clumsy_user_needs_few_more_attempts() -> None:
     sessions = captures(CAMERAS, (1, 7), 4, user=synthetic.User(degrees=9.0, share=0.09))
     assert sum(s.attempts for s in sessions) <= 1.3 * sum(len(s.views) for s in sessions)
-
-
-def test_comfortable_poses_reach_a_quarter_pixel() -> None:
-    sessions = captures(CAMERAS, (3, 9), 4, guide=Comfortable(BOARD, SIZE))
-    assert (at(sessions, 4) <= (0.25, 0.55)).all()
 
 
 @pytest.mark.parametrize("model", ["rational", "omnidirectional"])
