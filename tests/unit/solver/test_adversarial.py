@@ -18,7 +18,6 @@ from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
 from calibsolver.fitting.resection import reprojection_score
 from tests.conftest import THOROUGH
-from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
 from tests.helpers.solver.intervals import POPULATIONS
 
@@ -180,27 +179,6 @@ def test_symmetric_inverse_of_an_indefinite_matrix_is_positive() -> None:
     assert inverse[2, 2] == pytest.approx(0.25, rel=1e-12)
     assert inverse[0, 0] > 1e12
     assert np.isnan(symmetric_inverse(np.stack([np.full((2, 2), np.nan), np.eye(2)]))).all(axis=(1, 2))[0]
-
-
-@pytest.mark.parametrize("model", models.NAMES)
-@pytest.mark.parametrize(("seed", "attempts"), [(0, 2), *thorough(*((seed, 15) for seed in range(6)))])
-def test_noiseless_capture_accepts_views(model: str, seed: int, attempts: int) -> None:
-    rng = np.random.default_rng(seed)
-    camera = POPULATIONS[model]()[2 * seed]
-    rules = Capture(BOARD, SIZE, model, target_error=0.001)
-    estimate, views = rules.estimate([]), list[View]()
-    for _ in range(attempts):
-        target = rules.next_target(views, estimate)
-        q = camera.project(BOARD.points @ rotation.matrix(target.rvec).T + target.tvec)
-        q = q + rng.uniform(-60, 60, 2)
-        seen = np.isfinite(q).all(axis=1) & ((q >= 0) & (q <= np.array(SIZE) - 1)).all(axis=1)
-        view = View(BOARD.points[seen], q[seen])
-        decision = rules.judge(views, target, view, estimate.excluded)
-        if decision.estimate is not None:
-            estimate, views = decision.estimate, [*views, view]
-        if estimate.converged:
-            break
-    assert views
 
 
 def test_pooled_copies_of_one_view_end_in_a_reason() -> None:

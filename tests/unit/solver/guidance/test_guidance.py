@@ -35,11 +35,6 @@ def rectilinear() -> Sessions:
     return captures(CAMERAS, (0, 3, 6, 9), 5)
 
 
-@pytest.fixture(scope="module")
-def fisheye() -> Sessions:
-    return captures(synthetic.fisheye_cameras(), (1, 5, 9), 4)
-
-
 def at(sessions: Sessions, views: int) -> np.ndarray:
     """Median and 95th percentile of the mean projection error after so many views."""
     return np.percentile([session.mean[views - 1] for session in sessions], [50, 95])
@@ -63,10 +58,6 @@ def test_capture_stops_after_four_views(rectilinear: Sessions) -> None:
     assert sum(s.attempts for s in rectilinear) <= 1.1 * sum(len(s.views) for s in rectilinear)
 
 
-def test_fisheye_reaches_target_in_four_views(fisheye: Sessions) -> None:
-    assert (at(fisheye, 4) <= (0.12, 0.31)).all()
-
-
 @pytest.mark.parametrize("model", models.NAMES)
 @pytest.mark.parametrize("squares", [(9, 6), (8, 8), (5, 7)])
 def test_first_pose_shows_the_whole_board_moderately_tilted(model: str, squares: tuple[int, int]) -> None:
@@ -78,23 +69,6 @@ def test_first_pose_shows_the_whole_board_moderately_tilted(model: str, squares:
     assert (target.outline <= (1279, 719)).all()
     longest = np.ptp(target.outline, axis=0) / (1280, 720)
     assert 0.4 < longest.max() < 0.95
-
-
-@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
-def test_poses_are_near_and_visible(kind: str, request: pytest.FixtureRequest) -> None:
-    guide = ProjectionUncertainty(BOARD, SIZE, kind)
-    for session in request.getfixturevalue(kind)[::2]:
-        target = guide.next_pose(session.views, session.calibration)
-        p = BOARD.outline @ target.r.T + target.tvec
-        if kind == "rectilinear":
-            assert (p[:, 2] > 0).all()
-        # Seen from the front: every line of sight meets the printed side.
-        assert (p @ target.r[:, 2] > 0).all()
-        assert len(target.ids) >= 0.6 * BOARD.corner_count
-        assert np.linalg.norm(p.mean(axis=0)) < 4 * BOARD.size[0]
-        q = session.calibration.camera.project(BOARD.points[list(target.ids)] @ target.r.T + target.tvec)
-        np.testing.assert_allclose(q, target.corners, atol=1e-9)
-        assert target.gain > 0
 
 
 @pytest.mark.parametrize(
@@ -205,7 +179,7 @@ def test_clumsy_user_needs_few_more_attempts() -> None:
     assert sum(s.attempts for s in sessions) <= 1.3 * sum(len(s.views) for s in sessions)
 
 
-@pytest.mark.parametrize("model", ["rational", "omnidirectional"])
+@pytest.mark.parametrize("model", ["fisheye", "rational", "omnidirectional"])
 def test_capture_stops_for_every_model(model: str) -> None:
     camera = intervals.POPULATIONS[model](4)[0]
     session = synthetic.run(camera, np.random.default_rng(0), views=1, max_views=8)
@@ -254,12 +228,6 @@ def test_committed_plan_is_current(poses: tuple[TargetPose, ...], monkeypatch: p
         assert one["tvec"] == pytest.approx(other["tvec"], rel=1e-7, abs=2e-3), advice
         for name in ("purpose", "hint", "hint_code"):
             assert one[name] == other[name]
-
-
-def test_plan_poses_are_near_and_visible(poses: tuple[TargetPose, ...]) -> None:
-    for pose in poses:
-        assert len(pose.ids) >= 0.75 * 40
-        assert np.linalg.norm(pose.tvec) < 2.5 * 9
 
 
 def test_fixed_plan_error_after_four_and_six_views(poses: tuple[TargetPose, ...]) -> None:
