@@ -1,15 +1,15 @@
-"""Pooled consensus and its reliability."""
+"""Pooled consensus and its reliability, and the cache of members' fits."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, Camera, View, fit
+from calibsolver import Calibration, CalibrationError, Camera, View, fit
+from calibsolver.consensus import fit_memory
 from calibsolver.consensus.agreement import compare, difference
-from calibsolver.consensus.fit_memory import fit_once
 from calibsolver.consensus.pooling import Consensus, Member, Rule, pool
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets, thorough
@@ -139,7 +139,7 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     model = MODELS[name]
     parts = [views[i::5] for i in range(5)]
     pooled = pool([Member(str(i), "lab", tuple(part)) for i, part in enumerate(parts)], size, model)
-    shaped = [view for part in parts for view in fit_once(part, size, model).shaped(part)]
+    shaped = [view for part in parts for view in fit_memory.fit_once(part, size, model).shaped(part)]
     whole, drawn = (fit(each, size, model, board_shape=False) for each in (shaped, views))
     assert pooled.reliable
     assert compare([pooled.calibration, whole])[0, 1] < 0.02
@@ -190,3 +190,76 @@ def test_few_members_are_consistent_where_they_would_be_reliable(honest: list[Me
     enough = pool(members, SIZE, "rectilinear", Rule(min_calibrations=1))
     assert found.consistent == enough.consistent == enough.reliable == (focal == 1.0)
     assert_same_camera(found, enough)
+
+
+@pytest.fixture
+def fitted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    made: list[str] = []
+
+    def counted(
+        views: Sequence[View], img_size: tuple[int, int], model: str, *, board_shape: bool = False
+    ) -> Calibration:
+        made.append(model)
+        return fit(views, img_size, model, board_shape=board_shape)
+
+    monkeypatch.setattr(fit_memory, "fit", counted)
+    fit_memory.forget()
+    yield made
+    fit_memory.forget()
+
+
+def test_a_new_calibration_alone_is_fitted(fitted: list[str]) -> None:
+    members = [member(seed) for seed in range(3)]
+    pool(members[:2], SIZE, "rectilinear")
+    assert fitted == ["rectilinear"] * 2
+    again = [replace(m, views=tuple(replace(view) for view in m.views)) for m in members]
+    warm = pool(again, SIZE, "rectilinear")
+    assert fitted == ["rectilinear"] * 3  # their documents were read anew
+    pool(again, SIZE, "rectilinear", Rule(min_contributors=1, min_calibrations=1))
+    assert fitted == ["rectilinear"] * 3
+    fit_memory.forget()
+    cold = pool(members, SIZE, "rectilinear")
+    assert cold.calibration.record() == warm.calibration.record()
+
+
+def test_nothing_else_is_taken_for_it(fitted: list[str]) -> None:
+    views = member(1).views
+    shifted = [View(v.object_points, v.image_points + 1e-9) for v in views]
+    weighed = [View(v.object_points, v.image_points, np.arange(1.0, len(v) + 1)) for v in views]
+    scaled = [View(2 * v.object_points, v.image_points) for v in views]
+    for each, size, model in (
+        (views, SIZE, "rectilinear"),
+        (shifted, SIZE, "rectilinear"),
+        (scaled, SIZE, "rectilinear"),
+        (weighed, SIZE, "rectilinear"),
+        (views[::-1], SIZE, "rectilinear"),
+        (views, (SIZE[0], SIZE[1] + 2), "rectilinear"),
+        (views, SIZE, "rational"),
+    ):
+        assert fit_memory.fit_once(each, size, model).camera.img_size == size
+    assert len(fitted) == 7
+    for _ in range(2):  # a refusal is not remembered
+        with pytest.raises(CalibrationError):
+            fit_memory.fit_once([], SIZE, "rectilinear")
+    assert len(fitted) == 9
+
+
+def test_consensus_of_one_calibration_is_its_fit(fitted: list[str]) -> None:
+    one = member(1)
+    alone = pool([one], SIZE, "rectilinear")
+    assert alone.calibration is fit_memory.fit_once(one.views, SIZE, "rectilinear")
+    assert fitted == ["rectilinear"]
+
+
+def test_cache_beyond_its_points_drops_the_oldest_fit(
+    fitted: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    members = [member(seed) for seed in range(4)]
+    points = [sum(map(len, m.views)) for m in members]
+    monkeypatch.setattr(fit_memory, "MAX_POINTS", sum(points[1:]))
+    for one in members:
+        fit_memory.fit_once(one.views, SIZE, "rectilinear")
+    assert fit_memory.cached_points() == sum(points[1:])
+    for one in (*members[1:], members[0]):
+        fit_memory.fit_once(one.views, SIZE, "rectilinear")
+    assert len(fitted) == 5
