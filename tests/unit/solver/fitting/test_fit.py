@@ -29,17 +29,9 @@ RECTILINEAR = [
     "mint_isaw",
     "arizonat_fe",
 ]
-# On the others OpenCV stops in the valley, folds the image inside the views, or cancels poles with zeros.
-RATIONAL = [
-    "opencv_left",
-    "pv_charuco_480",
-    "pv_charuco_1280",
-    "pv_picam_640",
-    "pv_picam_960",
-    "derlunz",
-    "mint_isaw",
-    "arizonat_fe",
-]
+# On these OpenCV stops in the valley, folds the image inside the views, or cancels poles with zeros.
+NO_RATIONAL_REFERENCE = ("opencv_right", "pv_picam_320", "pv_picam_1920", "jy_left")
+RATIONAL = [name for name in RECTILINEAR if name not in NO_RATIONAL_REFERENCE]
 FISHEYE_FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye  # OpenCV 5, and 4
 
 

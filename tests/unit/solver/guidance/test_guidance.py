@@ -9,6 +9,7 @@ import pytest
 
 from calibsolver import Board, Camera, fit, guidance, models, rotation
 from calibsolver.arrays import whitening
+from calibsolver.camera import pixel_grid
 from calibsolver.fitting.normal_equations import Poses, linearize, reduced_information
 from calibsolver.fitting.systematic_effects import displacements, row_position
 from calibsolver.guidance import PoseSelection, ProjectionUncertainty, TargetPose, fixed_plan
@@ -119,34 +120,30 @@ def test_skipped_target_is_followed_by_an_easier_dissimilar_one(rectilinear: Ses
         skipped.append(target)
 
 
-def place(rvec: tuple[float, float, float], center: tuple[float, float, float]) -> Placement:
-    r = rotation.matrix(np.array(rvec, dtype=float))
+def place(rvec: np.ndarray, center: np.ndarray) -> Placement:
+    r = rotation.matrix(rvec)
     camera = guidance.IntrinsicsPosterior.of("rectilinear", SIZE, None).camera
-    return Placement.of(BOARD, camera, r, np.array(center) - r @ BOARD.outline.mean(axis=0))
+    return Placement.of(BOARD, camera, r, center - r @ BOARD.outline.mean(axis=0))
 
 
 @pytest.mark.parametrize(
-    ("rvec", "center", "code"),
+    ("turn", "shift", "code", "opposite"),
     [
-        ((0, 0.5, 0), (0, 0, 14), "tilt_right"),  # about y, which points down: the right side comes near
-        ((0, -0.5, 0), (0, 0, 14), "tilt_left"),
-        ((0.5, 0, 0), (0, 0, 14), "tilt_top"),
-        ((-0.5, 0, 0), (0, 0, 14), "tilt_bottom"),
-        ((0, 0, 0.6), (0, 0, 14), "turn_clockwise"),
-        ((0, 0, -0.6), (0, 0, 14), "turn_counterclockwise"),
-        ((0.1, 0, 0), (0, 0, 8), "closer"),
-        ((0.1, 0, 0), (0, 0, 22), "farther"),
-        ((0.1, 0, 0), (-4, 0.5, 14), "left"),
-        ((0.1, 0, 0), (4, 0.5, 14), "right"),
-        ((0, 0, 0.1), (0, 3, 14), "down"),
-        ((0, 0, 0.1), (0, -3, 14), "up"),
+        ((0, 0.5, 0), (0, 0, 0), "tilt_right", "tilt_left"),  # about y, which points down
+        ((0.5, 0, 0), (0, 0, 0), "tilt_top", "tilt_bottom"),
+        ((0, 0, 0.6), (0, 0, 0), "turn_clockwise", "turn_counterclockwise"),
+        ((0.1, 0, 0), (0, 0, 6), "farther", "closer"),
+        ((0.1, 0, 0), (4, 0.5, 0), "right", "left"),
+        ((0, 0, 0.1), (0, 3, 0), "down", "up"),
     ],
 )
 def test_hint_names_the_largest_difference(
-    rvec: tuple[float, float, float], center: tuple[float, float, float], code: str
+    turn: tuple[float, ...], shift: tuple[float, ...], code: str, opposite: str
 ) -> None:
-    facing = place((0, 0, 0), (0, 0, 14))
-    assert largest_difference(facing, place(rvec, center), SIZE[0]).code == code
+    facing = np.array([0.0, 0.0, 14.0])
+    for sign, expected in ((1, code), (-1, opposite)):
+        target = place(sign * np.array(turn, dtype=float), facing + sign * np.array(shift))
+        assert largest_difference(place(np.zeros(3), facing), target, SIZE[0]).code == expected
 
 
 def test_hints_have_at_most_six_words() -> None:
@@ -331,8 +328,8 @@ def test_principal_point_target_is_shifted_by_five_percent(model: str) -> None:
 def test_distortion_vanishes_at_the_axis_of_every_model(model: str) -> None:
     """Against a pinhole of the camera's focal length: 0 at the axis, below 1 % of the radius around it."""
     camera = Camera.from_intrinsics(model, models.get(model).start(900.0, SIZE), SIZE)
-    field = displacement(camera, SIZE[0] // 20, SIZE[1] // 20)
-    x, y = np.meshgrid(np.arange(64) * 20 + 9.5, np.arange(36) * 20 + 9.5)
+    field = displacement(camera, 64, 36)
+    x, y = pixel_grid(SIZE, (64, 36))
     radius = np.hypot(x - camera.matrix[0, 2], y - camera.matrix[1, 2])
     near = radius < 100
     assert (field[near] < 0.01 * radius[near]).all()
