@@ -17,7 +17,6 @@ TOOLS = ("pytest", "pytest-xdist", "hypothesis", "pyyaml")
 SELECTED = "not thorough and not external_data"
 TESTS = (
     "tests/unit/solver/fitting/test_fit.py",
-    "tests/unit/solver/fitting/test_constraint.py",
     "tests/unit/solver/fitting/test_rivals.py",
     "tests/unit/solver/formats/test_foreign_models.py",
     "tests/unit/solver/formats/test_conversion_error.py",

@@ -15,7 +15,6 @@ from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History, ViewDecision
 from calibsolver.fitting.initial_guess import plane_poses
-from calibsolver.guidance import ProjectionUncertainty
 from calibsolver.guidance.candidates import distance_to_border
 from calibsolver.guidance.target import TargetPose
 from tests.helpers.solver.hands import STEADY, Hand
@@ -243,10 +242,10 @@ class Session:
     mean: list[float] = field(default_factory=list)
     rms: list[float] = field(default_factory=list)
     predicted: list[float] = field(default_factory=list)
-    calibration_rms: list[float] = field(default_factory=list)
     stopped: int | None = None
     attempts: int = 0
     reasons: list[str] = field(default_factory=list)
+    targets: list[TargetPose] = field(default_factory=list)
     views: list[View] = field(default_factory=list)
     calibration: Calibration | None = None
 
@@ -260,8 +259,7 @@ class Session:
         error = projection_error(truth, calibration.camera)
         self.mean.append(float(error.mean()))
         self.rms.append(float(np.sqrt(np.mean(error**2))))
-        self.calibration_rms.append(calibration.uncertainty().rms)
-        self.predicted.append(self.calibration_rms[-1] if predicted is None else predicted)
+        self.predicted.append(calibration.uncertainty().rms if predicted is None else predicted)
 
 
 def run(
@@ -274,7 +272,7 @@ def run(
     views: int = 6,
     max_views: int = 0,
     capture: Capture | None = None,
-    guide: ProjectionUncertainty | Planned | None = None,
+    guide: Planned | None = None,
     max_attempts: int = 60,
 ) -> Session:
     """One guided capture up to `views` accepted views, beyond its end, which is only noted.
@@ -296,6 +294,7 @@ def run(
         session.attempts += 1
         calibration = sitting.estimate.calibration
         target = target or chooser.next_pose(sitting.used, calibration, (), unreached)
+        session.targets.append(target)
         # A plan that does not adapt is drawn with the camera that it was made for.
         drawn = capture.camera(None if isinstance(chooser, Planned) else sitting.estimate)
         asked = match_picture(board, drawn, camera, target)

@@ -22,7 +22,7 @@ from tests.helpers.marks import thorough
 from tests.helpers.solver import intervals, peers, populations, synthetic
 
 BOARD, SIZE = Board(), synthetic.IMG_SIZE
-CAMERAS = synthetic.rectilinear_cameras()
+CAMERAS, FISHEYES = synthetic.rectilinear_cameras(), synthetic.fisheye_cameras()
 Sessions = list[synthetic.Session]
 
 
@@ -72,37 +72,34 @@ def test_first_pose_shows_the_whole_board_moderately_tilted(model: str, squares:
     assert 0.4 < longest.max() < 0.95
 
 
+TAGS = Board((2, 2), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11")
+CHESSBOARD = Board((9, 7), kind="chessboard")
+
+
 @pytest.mark.parametrize(
-    ("board", "family"),
+    ("board", "camera", "most", "stops"),
     [
-        (Board((3, 4)), "rectilinear"),
-        (Board((2, 2), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11"), "fisheye"),
-        (Board((9, 7), kind="chessboard"), "fisheye"),
+        (Board((3, 4)), CAMERAS[8], 4, False),
+        (TAGS, FISHEYES[8], 4, False),
+        (CHESSBOARD, FISHEYES[8], 4, False),
+        (Board((4, 4)), CAMERAS[6], 10, True),
+        (Board((44, 44), dictionary="DICT_4X4_1000"), CAMERAS[6], 7, True),
+        *thorough((Board((3, 4)), CAMERAS[1], 15, False), (Board((3, 4)), CAMERAS[8], 15, False)),
+        *thorough((TAGS, FISHEYES[1], 15, False), (TAGS, FISHEYES[8], 15, False)),
+        *thorough((CHESSBOARD, FISHEYES[1], 15, False), (CHESSBOARD, FISHEYES[8], 15, False)),
+        *thorough((Board((3, 12)), CAMERAS[6], 7, True), (Board((5, 4)), CAMERAS[6], 6, True)),
+        *thorough((Board((30, 20), dictionary="DICT_4X4_1000"), CAMERAS[6], 5, True)),
     ],
 )
-@pytest.mark.parametrize(("number", "most"), [(8, 4), *thorough((1, 15), (8, 15))])
-def test_poses_show_enough_whole_markers(board: Board, family: str, number: int, most: int) -> None:
-    """Of each asked pose a detector finds enough for a view, and captures of boards with few squares end."""
-    cameras = CAMERAS if family == "rectilinear" else synthetic.fisheye_cameras()
+def test_poses_show_enough_of_an_unusual_board(board: Board, camera: Camera, most: int, stops: bool) -> None:
+    """Of each asked pose a detector finds enough for a view, and the captures end."""
     needed = min(8, board.corner_count) if board.has_markers else board.corner_count
-    guide = Recorder(board, SIZE, family)
-    (session,) = captures(cameras, [number], 3, board=board, max_views=most, guide=guide)
+    rng = np.random.default_rng(0)
+    session = synthetic.run(camera, rng, board=board, noise=0.15, views=3, max_views=most)
     assert session.attempts <= 2 * len(session.views)
-    assert len(session.views) == most or session.stopped
-    for target in guide.targets:
+    assert session.stopped or (len(session.views) == most and not stops)
+    for target in session.targets:
         assert len(target.ids) >= needed
-
-
-class Recorder(ProjectionUncertainty):
-    """The guidance, and the targets that it chose."""
-
-    def __init__(self, *arguments: Any) -> None:
-        super().__init__(*arguments)
-        self.targets: list[TargetPose] = []
-
-    def next_pose(self, *arguments: Any) -> TargetPose:
-        self.targets.append(super().next_pose(*arguments))
-        return self.targets[-1]
 
 
 def test_skipped_target_is_followed_by_an_easier_dissimilar_one(rectilinear: Sessions) -> None:
@@ -155,15 +152,6 @@ def test_portrait_capture_stops_after_five_views() -> None:
     matrix = np.array([[1024.0, 0, 360], [0, 1024, 640], [0, 0, 1]])
     camera = Camera("rectilinear", matrix, np.array([-0.1, 0.02, 0, 0, 0]), (720, 1280))
     assert synthetic.run(camera, np.random.default_rng(0), noise=0.15, views=1, max_views=5).stopped
-
-
-@pytest.mark.parametrize(
-    ("squares", "most"),
-    [((4, 4), 10), ((44, 44), 7), *thorough(((3, 12), 7), ((5, 4), 6), ((30, 20), 5))],
-)
-def test_capture_with_an_unusual_board_stops(squares: tuple[int, int], most: int) -> None:
-    board, rng = Board(squares, dictionary="DICT_4X4_1000"), np.random.default_rng(0)
-    assert synthetic.run(CAMERAS[6], rng, board=board, noise=0.15, views=1, max_views=most).stopped
 
 
 def test_gross_outliers_hardly_raise_the_error() -> None:
