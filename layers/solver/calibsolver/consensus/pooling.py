@@ -15,7 +15,7 @@ from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
-from .agreement import Estimates, compare, settle, split_into_groups
+from .agreement import Estimates, differences, settle, split_into_groups
 from .fit_memory import fit_once
 from .location import Contributions, FittedMember, Member, number_owners
 from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
@@ -153,7 +153,9 @@ def pool(
         consistent=remaining is None,
         groups=tuple(tuple(fits[i].member.id for i in part) for part in agreement.groups),
         dropped=dropped,
-        spread=_weighted_rms(compare([pooled, *(f.calibration for f in group)])[0, 1:], shares),
+        spread=_weighted_rms(
+            differences([pooled.camera, *(f.calibration.camera for f in group)])[0, 1:], shares
+        ),
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
         held_out_error=_weighted_rms(errors, shares),
     )
@@ -237,7 +239,8 @@ class _Agreement:
 
 def medoid(calibrations: Sequence[Calibration]) -> int:
     """Index of the calibration whose projections lie closest to those of all the others."""
-    return int(np.argmin(np.minimum(compare(calibrations), 1e9).sum(axis=1)))
+    away = differences([c.camera for c in calibrations])
+    return int(np.argmin(np.minimum(away, 1e9).sum(axis=1)))
 
 
 def unreliable_reason(

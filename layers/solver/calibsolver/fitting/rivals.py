@@ -11,7 +11,7 @@ import numpy as np
 from .. import models, rotation
 from ..arrays import Array, Mask
 from ..camera import Camera, pixel_grid
-from .uncertainty import projection_jacobian_rotation_free, variance
+from .uncertainty import square_errors
 
 DIRECTIONS = 72
 
@@ -46,10 +46,7 @@ class Rival:
 
     def variance(self, grid: tuple[int, int]) -> Array:
         """Variance (rows * columns,) px^2 of its own projections, 0 where it has none."""
-        model, camera = models.get(self.camera.model), self.camera
-        d = projection_jacobian_rotation_free(model, camera.intrinsics, camera.img_size, grid)
-        with np.errstate(invalid="ignore"):
-            return np.nan_to_num(np.maximum(variance(d, self.covariance), 0), nan=0.0)
+        return np.nan_to_num(square_errors(self.camera, self.covariance, grid), nan=0.0)
 
 
 @dataclass(frozen=True, eq=False)

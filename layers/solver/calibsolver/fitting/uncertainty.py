@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import models
 from ..arrays import Array, Mask
-from ..camera import pixel_grid
+from ..camera import Camera, pixel_grid
 from ..models import Model
 
 MIN_STRETCH = 0.25
@@ -85,3 +86,16 @@ def variance(d: Array, covariance: Array) -> Array:
     """Predicted square error (n,) px^2, both axes added, of `d` (n, 2, p) under a covariance (p, p)."""
     v: Array = ((d @ covariance) * d).sum(axis=(1, 2))
     return v
+
+
+def square_errors(
+    camera: Camera, covariance: Array, grid: tuple[int, int], among: Mask | None = None
+) -> Array:
+    """Predicted square errors (columns * rows,) px^2 of a camera's projections over a grid.
+
+    NaN as `projection_jacobian_rotation_free`.
+    """
+    model, k = models.get(camera.model), camera.intrinsics
+    d = projection_jacobian_rotation_free(model, k, camera.img_size, grid, among)
+    with np.errstate(invalid="ignore"):
+        return np.maximum(variance(d, covariance), 0)
