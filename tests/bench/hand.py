@@ -14,7 +14,7 @@ from calibdb_client.detection import Detector
 from calibsolver import Board, Camera, rotation
 from calibsolver.capture import Capture
 from calibsolver.guidance import TargetPose
-from calibsolver.guidance.overlap import estimate_outline, jaccard_index
+from calibsolver.guidance.pose_selection import estimate_outline, jaccard_index
 from infra.console import track
 from tests.bench import document
 from tests.helpers.real_hand import Pose, RealCamera

@@ -5,7 +5,7 @@ import numpy as np
 from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
 from calibsolver.guidance import IntrinsicsPosterior, PoseSelection, candidates
 from calibsolver.guidance.candidates import CornerGrid, PoseLimits
-from calibsolver.guidance.overlap import estimate_outline, jaccard_index
+from calibsolver.guidance.pose_selection import estimate_outline, jaccard_index
 from calibsolver.guidance.search import fisher_information
 from tests.helpers.solver.synthetic import Session, User, detect, match_picture
 

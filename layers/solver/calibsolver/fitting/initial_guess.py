@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, IntArray, Mask
+from ..arrays import Array, IntArray, Mask, subsample
 from ..camera import Camera
 from ..models import Model
 from .homography import Homographies, fit_homographies_lmeds
@@ -125,4 +125,4 @@ def subsample_views(obs: Observations, mask: Mask) -> IntArray | None:
     weight = obs.mask[usable] / obs.mask[usable].sum(axis=1, keepdims=True)
     x, y = (obs.pixels[usable] * weight[:, None]).sum(axis=2).T
     order = np.argsort(x + MIX * y, kind="stable")
-    return usable[order[np.linspace(0, len(usable) - 1, MAX_TRIAL_VIEWS).round().astype(np.int64)]]
+    return usable[order[subsample(len(usable), MAX_TRIAL_VIEWS)]]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import models, rotation
-from ..arrays import Array, IntArray, Mask
+from ..arrays import Array, Mask, subsample
 from ..board import Board
 from ..camera import Camera
 from ..fitting.normal_equations import Poses
@@ -80,11 +80,6 @@ class CornerGrid:
         support = (board.support[ids.ravel()] - points[:, None, None])[..., :2].transpose(1, 2, 3, 0)
         multiplicity = rows * columns / len(points)
         return cls(np.ascontiguousarray(points.T), len(y), len(x), step, multiplicity, support)
-
-
-def subsample(count: int, max_count: int) -> IntArray:
-    """At most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
-    return np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64)
 
 
 def r_sequence(count: int, offset: int) -> Array:

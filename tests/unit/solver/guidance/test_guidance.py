@@ -14,8 +14,13 @@ from calibsolver.fitting.normal_equations import Poses, linearize, reduced_infor
 from calibsolver.fitting.systematic_effects import displacements, row_position
 from calibsolver.guidance import PoseSelection, ProjectionUncertainty, TargetPose, fixed_plan
 from calibsolver.guidance.hints import TEXTS, Placement, largest_difference
-from calibsolver.guidance.overlap import jaccard_index
-from calibsolver.guidance.pose_selection import Box, displacement, find_next_region, subdivided_tilt_deg
+from calibsolver.guidance.pose_selection import (
+    Box,
+    displacement,
+    find_next_region,
+    jaccard_index,
+    subdivided_tilt_deg,
+)
 from calibsolver.guidance.posterior import IntrinsicsPosterior, systematic_share
 from infra.web_build import plan
 from tests.helpers.marks import thorough
