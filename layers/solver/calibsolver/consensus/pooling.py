@@ -18,7 +18,6 @@ from ..fitting.fit import fit, refine
 from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
 from ..fitting.validation import check, degenerate_views, pack
 from ..rotation import matrix
-from ..view import View
 from .agreement import Estimates, differences, settle, split_into_groups
 from .fit_memory import fit_once
 from .location import Contributions, FittedMember, Member, number_owners
@@ -166,20 +165,18 @@ def pool(
 
 
 def _fit_member(member: Member, img_size: tuple[int, int], model: str) -> FittedMember:
-    """Fit a member's views, which then show its board in its shape; raises as `fit` does."""
-    views = without_degenerate_views(member.views, img_size)
+    """Fit a member's views, without degenerate ones; they then show its board in its shape.
+
+    Raises as `fit` does.
+    """
+    degenerate = degenerate_views(pack(member.views, img_size))
+    if degenerate.all():
+        check(member.views, img_size)  # raises
+    views = tuple(view for view, flat in zip(member.views, degenerate, strict=True) if not flat)
     calibration = fit_once(views, img_size, model)
     shaped = tuple(calibration.shaped(views))
     pack(shaped, img_size)  # or it is not a board
     return FittedMember(replace(member, views=shaped), calibration)
-
-
-def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -> tuple[View, ...]:
-    """Set aside degenerate views; raises as `fit` does, ``degenerate`` if none is left."""
-    degenerate = degenerate_views(pack(views, img_size))
-    if degenerate.all():
-        check(views, img_size)  # raises
-    return tuple(view for view, flat in zip(views, degenerate, strict=True) if not flat)
 
 
 def locate_contributors(

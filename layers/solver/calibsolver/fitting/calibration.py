@@ -13,8 +13,7 @@ from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..view import View
 from .board_shape import BoardShape
-from .rivals import Rivals
-from .uncertainty import Uncertainty, square_errors
+from .uncertainty import Rivals, Uncertainty, square_errors
 
 BORDER_GRID = (40, 30)
 """Grid whose outermost cells reach the border, where rivals differ most."""

@@ -14,8 +14,7 @@ from ..arrays import Array, Mask
 from ..camera import pixel_grid
 from ..view import View
 from .calibration import Calibration
-from .rivals import Hull
-from .uncertainty import square_errors
+from .uncertainty import Hull, square_errors
 
 COVERAGE_GRID = (40, 30)
 MIN_CELLS = 4

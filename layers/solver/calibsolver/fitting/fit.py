@@ -33,9 +33,7 @@ from .mixed_model import SHAPE_SIZE, marginal_information
 from .multistart import MultiStart, constrained, refit_without_gross_outliers
 from .normal_equations import POSE_SIZE, Poses
 from .observations import Order
-from .validation import MIN_POINTS, check, degenerate_views, pack
-
-__all__ = ["MIN_POINTS", "check", "fit"]
+from .validation import check, degenerate_views, pack
 
 MAX_TAIL_RMS_RATIO = 1.1
 """Rms over all but gross outliers / rms of the inliers, up to which all of them count."""

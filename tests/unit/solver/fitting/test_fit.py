@@ -12,7 +12,7 @@ from _pytest.mark import ParameterSet
 from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
 from calibsolver.arrays import Array
 from calibsolver.fitting.constraint import Fix
-from calibsolver.fitting.fit import MIN_POINTS
+from calibsolver.fitting.validation import MIN_POINTS
 from tests.helpers.data import corner_views, float32
 from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import populations, synthetic
