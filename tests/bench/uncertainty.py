@@ -5,7 +5,7 @@ import numpy as np
 from calibsolver import models
 from infra.console import track
 from tests.bench import document
-from tests.helpers.solver import intervals
+from tests.helpers.solver import populations
 
 CAPTURES = 200
 
@@ -14,7 +14,7 @@ def main() -> None:
     rows = []
     for model in track(models.NAMES, "models", len(models.NAMES)):
         for views in (5, 8):
-            found = intervals.measure(model, CAPTURES, views)
+            found = populations.measure(model, CAPTURES, views)
             cover = dict(
                 zip(("fx", "fy", "cx", "cy", *models.get(model).coefficients), found.coverage, strict=True)
             )

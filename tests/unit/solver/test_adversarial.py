@@ -35,7 +35,6 @@ from calibsolver.quality.systematic import probable_cause
 from tests.conftest import THOROUGH
 from tests.helpers.solver import populations, rigs, synthetic
 from tests.helpers.solver.export_sources import captured
-from tests.helpers.solver.intervals import POPULATIONS
 
 BOARD = Board()
 SIZE = synthetic.IMG_SIZE
@@ -139,8 +138,8 @@ def check_capture(rng: np.random.Generator, model: str, views: list[View]) -> No
 @settings(max_examples=500 if THOROUGH else 3, deadline=None)
 def test_every_input_ends_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    kinds = list(POPULATIONS)
-    camera = POPULATIONS[kinds[int(rng.integers(len(kinds)))]]()[int(rng.integers(12))]
+    kinds = list(populations.POPULATIONS)
+    camera = populations.POPULATIONS[kinds[int(rng.integers(len(kinds)))]]()[int(rng.integers(12))]
     views = corrupt_views(rng, camera, kind)
     if not views:
         return
@@ -177,7 +176,7 @@ def test_views_without_a_start_raise_calibration_error() -> None:
 @pytest.mark.parametrize("model", models.NAMES)
 def test_step_beyond_the_largest_number_is_refused(model: str) -> None:
     """A step of the focal length by a factor of more than e^709."""
-    camera = POPULATIONS[model]()[0]
+    camera = populations.POPULATIONS[model]()[0]
     views = populations.views(camera, np.random.default_rng(0), count=2)
     problem = Problem(models.get(model), Observations.of(views), SIZE)
     state = problem.at(camera.intrinsics, Poses.of_vectors(reprojection_score(camera, views).poses))

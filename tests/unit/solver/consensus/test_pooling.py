@@ -189,11 +189,9 @@ def test_few_members_are_consistent_where_they_would_be_reliable(honest: list[Me
 def fitted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     made: list[str] = []
 
-    def counted(
-        views: Sequence[View], img_size: tuple[int, int], model: str, *, board_shape: bool = False
-    ) -> Calibration:
+    def counted(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
         made.append(model)
-        return fit(views, img_size, model, board_shape=board_shape)
+        return fit(views, img_size, model)
 
     monkeypatch.setattr(fit_memory, "fit", counted)
     fit_memory.forget()

@@ -12,7 +12,7 @@ from calibsolver.fitting.uncertainty import projection_jacobian_rotation_free
 from tests.bench.honesty import ratios_if_true
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
-from tests.helpers.solver import hands, intervals, populations, synthetic
+from tests.helpers.solver import hands, populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
 
@@ -122,7 +122,7 @@ def test_predicted_error_matches_the_actual_error() -> None:
 
     Of 60 intervals that contain the truth in 95 of 100 cases 49 or fewer do so once in ten thousand times.
     """
-    found = intervals.measure("fisheye", 30, views=6)
+    found = populations.measure("fisheye", 30, count=6)
     assert found.failed == 0
     assert 0.75 < found.projection < 1.25
     assert found.coverage.min() > 49 / 60

@@ -13,7 +13,7 @@ from calibsolver.camera import pixel_grid
 from calibsolver.fitting.normal_equations import Poses, linearize, reduced_information
 from calibsolver.fitting.systematic_effects import displacements, row_position
 from calibsolver.guidance import PoseSelection, ProjectionUncertainty, TargetPose, fixed_plan
-from calibsolver.guidance.hints import TEXTS, Placement, largest_difference
+from calibsolver.guidance.hints import Placement, largest_difference
 from calibsolver.guidance.pose_selection import (
     Box,
     displacement,
@@ -24,7 +24,7 @@ from calibsolver.guidance.pose_selection import (
 from calibsolver.guidance.posterior import IntrinsicsPosterior, systematic_share
 from infra.web_build import plan
 from tests.helpers.marks import thorough
-from tests.helpers.solver import intervals, peers, populations, synthetic
+from tests.helpers.solver import peers, populations, synthetic
 
 BOARD, SIZE = Board(), synthetic.IMG_SIZE
 CAMERAS, FISHEYES = synthetic.rectilinear_cameras(), synthetic.fisheye_cameras()
@@ -148,10 +148,6 @@ def test_hint_names_the_largest_difference(
         assert largest_difference(place(np.zeros(3), facing), target, SIZE[0]).code == expected
 
 
-def test_hints_have_at_most_six_words() -> None:
-    assert all(len(text.split()) <= 6 for text in TEXTS.values())
-
-
 def test_portrait_capture_stops_after_five_views() -> None:
     # The default board is wide: it is asked for on its side, or its long side would never fill the picture.
     matrix = np.array([[1024.0, 0, 360], [0, 1024, 640], [0, 0, 1]])
@@ -171,7 +167,7 @@ def test_clumsy_user_needs_few_more_attempts() -> None:
 
 @pytest.mark.parametrize("model", ["fisheye", "rational", "omnidirectional"])
 def test_capture_stops_for_every_model(model: str) -> None:
-    camera = intervals.POPULATIONS[model](4)[0]
+    camera = populations.POPULATIONS[model](4)[0]
     session = synthetic.run(camera, np.random.default_rng(0), views=1, max_views=8)
     assert session.stopped is not None
     assert session.mean[session.stopped - 1] < 0.6

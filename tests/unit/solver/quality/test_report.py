@@ -25,12 +25,6 @@ def good() -> tuple[Calibration, list[View]]:
     return fit(views, CAMERA.img_size), views
 
 
-def test_a_good_capture_is_called_good() -> None:
-    calibration, views = good()
-    verdict = assess(calibration, views, 1.05 * calibration.avg_reprojection_error)
-    assert (verdict.level, verdict.reasons) == ("good", ())
-
-
 def test_views_in_the_middle_without_tilt() -> None:
     """They face the camera; a mirrored one, tilted and at the rim, takes no part and does not count."""
     board, rng = Board(), np.random.default_rng(0)
@@ -107,6 +101,7 @@ def test_side_that_has_not_seen_the_board_is_named_first(side: str) -> None:
 def test_overfitting_is_reported_by_held_out_views() -> None:
     calibration, views = good()
     train = calibration.avg_reprojection_error
+    assert codes(calibration, views, 1.05 * train) == set()
     assert codes(calibration, views, 2 * train) == {"over_fitted"}
     assert assess(calibration, views, 5 * train).level == "poor"
 
@@ -139,7 +134,6 @@ def test_description_is_json_of_the_fit() -> None:
     assert description["std"]["fx"] == pytest.approx(std[0], rel=0.01)
     assert description["std"]["distortion"] == pytest.approx(std[4:], rel=0.01)
     assert np.array(description["error_map"]["px"]) == pytest.approx(calibration.projection_std(), rel=0.01)
-    assert np.shape(description["error_map"]["px"]) == (15, 20)
     assert [view["index"] for view in description["views"]] == [*range(10, 16)]
     for i, view in enumerate(description["views"]):
         assert np.array(view["points"]) == pytest.approx(views[i].image_points, abs=0.006)
