@@ -135,6 +135,7 @@ def check_capture(rng: np.random.Generator, model: str, views: list[View]) -> No
 @pytest.mark.parametrize("model", models.NAMES)
 @given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=st.integers(0, 2**32 - 1))
 @example("few points", 109)  # none is left of so few points once those that do not fit are cut
+@example("tiny", 7179057)  # a rational camera without any ray
 @settings(max_examples=500 if THOROUGH else 3, deadline=None)
 def test_every_input_ends_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -213,7 +213,7 @@ class _Agreement:
         owner = number_owners(
             [f.member.contributor if rule.min_contributors > 1 else f.member.id for f in fits]
         )
-        self.estimates = Estimates.of(calibrations, owner, calibrations[medoid(calibrations)].camera)
+        self.estimates = Estimates.of(calibrations, owner, medoid([c.camera for c in calibrations]))
         self.groups = split_into_groups(self.estimates, _weights(fits, rule))
 
     @cached_property
@@ -221,7 +221,7 @@ class _Agreement:
         """Members' views, linearized about the location of the largest group."""
         group = self.groups[0]
         members = [self.fits[i] for i in group]
-        camera = members[medoid([f.calibration for f in members])].calibration.camera
+        camera = medoid([f.calibration.camera for f in members])
         try:
             result = Contributions(self.fits, camera).relinearize(group)
         except CalibrationError:
@@ -238,10 +238,10 @@ class _Agreement:
         return settle(self.estimates, remaining, indices) if remaining.size else remaining
 
 
-def medoid(calibrations: Sequence[Calibration]) -> int:
-    """Index of the calibration whose projections lie closest to those of all the others."""
-    away = differences([c.camera for c in calibrations])
-    return int(np.argmin(np.minimum(away, 1e9).sum(axis=1)))
+def medoid(cameras: Sequence[Camera]) -> Camera:
+    """Camera whose projections lie closest to those of all the others."""
+    away = np.minimum(differences(cameras), 1e9).sum(axis=1)
+    return cameras[int(np.argmin(away))]
 
 
 def unreliable_reason(

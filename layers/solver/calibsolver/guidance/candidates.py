@@ -210,7 +210,7 @@ def is_in_front(poses: Poses, board: Board, rays: RayGrid) -> Mask:
     """True if all of the board, visible or not, is in front of the camera and faces it (c,)."""
     p = poses.r @ board.outline.T + poses.t[:, :, None]
     length = np.sqrt(np.einsum("cin,cin->cn", p, p))
-    half_view = np.degrees(np.arccos(np.nanmin(rays.rays[:, :, 2])))
+    half_view = np.degrees(np.arccos(np.nanmin(rays.rays[:, :, 2], initial=1.0)))
     widest = np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))
     front = (p[:, 2] / length).min(axis=1) >= np.cos(widest)
     front &= np.einsum("ci,cin->cn", poses.r[:, :, 2], p).min(axis=1) > 0
