@@ -15,14 +15,7 @@ _log = logging.getLogger("tests.aws.emulator.functions")
 
 
 class FunctionError(Exception):
-    """A handler could not be loaded, raised, or answered with what JSON cannot carry.
-
-    `payload` is what Lambda hands an invoker then: `errorMessage` and `errorType`.
-    """
-
-    def __init__(self, function: str, error: Exception):
-        super().__init__(f"{function}: {type(error).__name__}: {error}")
-        self.payload = {"errorMessage": str(error), "errorType": type(error).__name__}
+    """A handler could not be loaded, raised, or answered with what JSON cannot carry."""
 
 
 @dataclass
@@ -43,4 +36,4 @@ class Function:
         except Exception as error:
             # Lambda's boundary: a handler may raise anything.
             _log.exception("%s failed (request %s)", self.spec.name, context.aws_request_id)
-            raise FunctionError(self.spec.name, error) from error
+            raise FunctionError(f"{self.spec.name}: {type(error).__name__}: {error}") from error

@@ -3,7 +3,7 @@
 import asyncio
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import Self
@@ -50,19 +50,16 @@ _THREADS = max(4, 2 * (os.cpu_count() or 1))
 class LocalStack:
     """The template's functions, routes and storage while its block lasts. One at a time in a process.
 
-    `environment`: variables of the functions, over the template's. `retry_pauses`: as in `Invokes`.
-    `answers_preflights`: as in `Gateway`.
+    `environment`: variables of the functions, over the template's. `answers_preflights`: as in `Gateway`.
     """
 
     def __init__(
         self,
         environment: Mapping[str, str] | None = None,
-        retry_pauses: Sequence[float] = (1.0, 2.0),
         answers_preflights: bool = False,
     ):
         self._answers_preflights = answers_preflights
         self._environment = environment or {}
-        self._retry_pauses = retry_pauses
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -98,14 +95,13 @@ class LocalStack:
         Service.forget()
         stack.callback(Service.forget)
         self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
-        invokes = Invokes(self.functions, self._retry_pauses)
+        invokes = Invokes(self.functions)
         storage = Storage()
         services = {"dynamodb": storage.handle, "s3": storage.handle, "lambda": invokes.handle}
         stack.enter_context(intercepting(services))
         stack.callback(storage.empty)
         stack.callback(invokes.close)
         storage.create(self.template.tables, self.template.buckets)
-        self.failures = invokes.failures
         self.wait_until_idle = invokes.wait_until_idle
         self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(self.workers.shutdown)

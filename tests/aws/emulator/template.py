@@ -25,8 +25,6 @@ class FunctionSpec:
     timeout: float  # s
     memory: int  # MB
     environment: Mapping[str, str]
-    retries: int  # of an asynchronous invocation that failed
-    has_failures: bool  # has a queue of invocations that failed every time
 
 
 @dataclass(frozen=True)
@@ -91,15 +89,12 @@ def load(parameters: Mapping[str, str]) -> Template:
 
 def _function(name: str, properties: Mapping[str, Any], resolve: Resolver) -> FunctionSpec:
     variables = resolve(properties["Environment"]["Variables"])
-    later = properties.get("EventInvokeConfig", {})
     return FunctionSpec(
         name=name,
         module=f"{properties['CodeUri'].strip('/').replace('/', '.')}.app",
         timeout=float(properties["Timeout"]),
         memory=int(properties["MemorySize"]),
         environment={key: text(value) for key, value in variables.items()},
-        retries=int(later.get("MaximumRetryAttempts", 2)),
-        has_failures="OnFailure" in later.get("DestinationConfig", {}),
     )
 
 

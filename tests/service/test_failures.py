@@ -4,45 +4,59 @@ Others are where their subject is: a killed server and a full disk in test_durab
 documents of other versions in test_refit, a restore into an empty stack in test_ops_files.
 """
 
+import functools
 import random
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from calibdb.errors import UnavailableError
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Store, aws
-from tests.aws.emulator import LocalStack
+from calibdb.store import Store
+from calibdb.store.storage import opened
+from infra.server.server import Server
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
-from tests.helpers.stack import faults
+from tests.helpers.service.intercepted import intercepted_service
+from tests.helpers.service.published import PLATFORM, calibration, pooled
+from tests.helpers.service.stores import override_service, with_methods
 
 MAX_REPEATS = 60  # times that a client asks again
+Call = Callable[[], Any]
 
 
-@pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack(retry_pauses=(0.01, 0.02)) as stack:
-        yield stack
+def unreached(_: Call) -> None:
+    raise UnavailableError("Storage did not answer.")
 
 
-@pytest.fixture
-def fresh_stack() -> Iterator[LocalStack]:
-    """Yield a stack whose clients may still retry: botocore's give up once many calls have failed."""
-    aws.dynamodb.cache_clear()
-    aws.s3.cache_clear()
-    with LocalStack(retry_pauses=(0.01, 0.02)) as stack:
-        yield stack
+def unheard(call: Call) -> None:
+    call()
+    raise UnavailableError("Storage did not answer.")
+
+
+@contextmanager
+def faulty(stack: Server, fault: Callable[[Call], None], share: float = 1.0) -> Iterator[list[str]]:
+    """A share of the calls of index and bucket go wrong; yields the operations that did."""
+    rng, met = random.Random(1), []
+
+    def around(operation: str, call: Call) -> Any:
+        if operation == "Invoke" or rng.random() >= share:
+            return call()
+        met.append(operation)
+        return fault(call)
+
+    with intercepted_service(stack.storage, around):
+        yield met
 
 
 class Stubborn(Client):
     """A client that asks again when it is told to, as the page does."""
-
-    refused = 0
 
     def call(self, method: str, path: str, body: object = None, **options: Any) -> Answer:
         for _ in range(MAX_REPEATS):
@@ -50,7 +64,6 @@ class Stubborn(Client):
             if answer.status != 503:
                 return answer
             assert answer.headers["retry-after"] == "1"
-            self.refused += 1
         raise AssertionError(f"{method} {path}: 503 {MAX_REPEATS} times")
 
 
@@ -74,45 +87,27 @@ def kept(state: Any) -> dict[int, int]:
     return {view["index"]: view["points"] for view in state["views"]}
 
 
-@pytest.mark.parametrize(
-    ("fault", "service"),
-    [
-        (faults.unheard, "dynamodb"),
-        (faults.broken, "s3"),
-        *thorough(
-            (faults.throttled, "dynamodb"),
-            (faults.unheard, "s3"),
-            (faults.broken, "dynamodb"),
-            (faults.unreached, "dynamodb"),
-            (faults.throttled, "s3"),
-            (faults.unreached, "s3"),
-        ),
-    ],
-)
-def test_capture_completes_when_half_of_the_calls_fail(
-    fresh_stack: LocalStack, fault: Any, service: str
+@pytest.mark.parametrize("fault", [unheard, *thorough(unreached)])
+def test_capture_completes_when_calls_of_storage_fail(
+    stack: Server, store: Store, fault: Callable[[Call], None]
 ) -> None:
-    camera = f"Through {fault.__name__} {service}"
-    client = Stubborn(fresh_stack)
-    with faults.faulty(fault, (service,), share=0.5, seed=1) as met:
-        state, acknowledged = capture(client, Truth(seed=3), camera)
+    client = Stubborn(stack)
+    with faulty(stack, fault, share=0.15) as met:
+        state, acknowledged = capture(client, Truth(seed=3), f"Through {fault.__name__}")
     assert len(met) > 5
     assert kept(client.state()) == kept(state) == acknowledged
-    stored = client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).json
-    assert stored["camera_matrix"] == state["calibration"]["camera_matrix"]
-    document = store(fresh_stack).calibrations.get(state["calibration_id"])
-    assert document is not None
+    shown = client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).json
+    assert shown["camera_matrix"] == state["calibration"]["camera_matrix"]
+    document = store.calibrations.get(state["calibration_id"])
     assert {view.index: len(view.ids) for view in document.views} == acknowledged
 
 
-@pytest.mark.parametrize("fault", [faults.throttled, faults.unreached, *thorough(faults.broken)])
-def test_storage_outage_returns_503_and_changes_nothing(stack: LocalStack, fault: Any) -> None:
-    client = Client(stack)
+def test_storage_outage_returns_503_and_changes_nothing(stack: Server, client: Client) -> None:
     client.open()
     pose = client.pose().json
     seen = Truth(seed=4).see(pose)
     before = client.state()
-    with faults.faulty(fault):
+    with faulty(stack, unreached):
         for answer in (
             client.view(pose["index"], *seen),
             client.call("GET", "/v1/session"),
@@ -125,30 +120,49 @@ def test_storage_outage_returns_503_and_changes_nothing(stack: LocalStack, fault
     assert client.view(pose["index"], *seen).json["accepted"]
 
 
-def test_stale_reads_cause_no_wrong_answer(stack: LocalStack) -> None:
+@contextmanager
+def stale(stack: Server) -> Iterator[list[Any]]:
+    """Reads that may be eventually consistent answer as they first did within the block; yields memories."""
+    table, memories = stack.storage.table, []
+
+    def remembering(read: Callable[..., Any], *, is_consistent: bool) -> Callable[..., Any]:
+        remembered = functools.cache(functools.partial(read, consistent=False))
+        memories.append(remembered)
+
+        def answer(*key: str, consistent: bool = is_consistent, **options: Any) -> Any:
+            return read(*key, consistent=True, **options) if consistent else remembered(*key, **options)
+
+        return answer
+
+    get, query = (
+        remembering(table.get, is_consistent=True),
+        remembering(table.query, is_consistent=False),
+    )
+    with opened(replace(stack.storage, table=with_methods(table, get=get, query=query))), override_service():
+        yield memories
+
+
+def test_stale_reads_cause_no_wrong_answer(stack: Server, store: Store, client: Client) -> None:
     camera, documents = "Lagging", [calibration("Lagging", n) for n in range(5)]
-    client = Client(stack)
     for document in documents[:3]:
-        store(stack).calibrations.publish(document)
-    mode = mode_of(documents[0])
-    with faults.stale() as met:
+        store.calibrations.publish(document)
+    with stale(stack) as memories:
         assert client.lookup(camera=camera, platform=PLATFORM, redirect=False).status == 404
-        store(stack).refit.now(asked(mode, "rectilinear"))
+        assert pooled(store, documents[0]).total == 3
         for document in documents[3:]:
-            store(stack).calibrations.publish(document)
-        store(stack).refit.now(asked(mode, "rectilinear"))
+            store.calibrations.publish(document)
+        assert pooled(store, documents[0]).total == 5
         # Not known yet is no wrong answer; to vouch for three would be one.
         late = client.lookup(camera=camera, platform=PLATFORM, redirect=False)
         assert late.status == 404 or late.json["calibrations"] == 5
         capture(client, Truth(seed=3), "Captured meanwhile")  # what a session decides by is read as it is
-    assert met
-    (now,) = store(stack).refit.now(asked(mode, "rectilinear")).models.values()
-    assert now is not None
+    assert sum(memory.cache_info().hits for memory in memories) > 0
+    now = pooled(store, documents[0])
     assert (now.reliable, now.total) == (True, 5)
     assert client.lookup(camera=camera, platform=PLATFORM).json["calibrations"] == 5
 
 
-def test_clock_skew_of_minutes_is_harmless(stack: LocalStack) -> None:
+def test_clock_skew_of_minutes_is_harmless(stack: Server, store: Store, client: Client) -> None:
     """Each call is answered by an instance whose clock is up to two minutes off, either way."""
     rng, lock = random.Random(2), threading.Lock()
 
@@ -157,11 +171,10 @@ def test_clock_skew_of_minutes_is_harmless(stack: LocalStack) -> None:
             off = rng.uniform(-120, 120)
         return Service.build(settings, Store.of(settings), lambda: time.time() + off)
 
-    client = Client(stack)
     with Service.override(of):
         state, acknowledged = capture(client, Truth(seed=3), "Whose clock")
         assert kept(client.state()) == acknowledged
         stack.wait_until_idle(60)
     assert abs(state["calibration"]["calibration_time"] - time.time()) < 130
     key = state["calibration_id"].rpartition("-")[0]
-    assert len(store(stack).consensuses.of(key)) == 4
+    assert len(store.consensuses.of(key)) == 4
