@@ -13,6 +13,7 @@ from infra.ci import ministack
 ROOT = Path(__file__).resolve().parents[2]
 _TESTS = (
     "tests/unit/store/test_ports.py",
+    "tests/unit/store/test_aws.py",
     "tests/unit/store/test_store.py",
     "tests/unit/store/test_calibrations.py",
     "tests/unit/store/test_names.py",
