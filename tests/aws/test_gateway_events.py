@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from tests.aws.emulator.events import Request, to_event
-from tests.aws.emulator.routes import Routes
+from tests.aws.emulator.gateway import Routes
 from tests.aws.emulator.template import load
 
 GOLDEN = sorted((Path(__file__).parent / "events").glob("*.json"))
@@ -28,8 +28,8 @@ def made(request: dict[str, Any]) -> dict[str, Any]:
     )
     match = Routes(load({}).routes).match(asked.method, asked.path)
     assert match is not None
-    event = to_event(asked, match.key, match.parameters, REQUEST_ID, NOW)
-    passed: dict[str, Any] = json.loads(json.dumps(event))
+    route, parameters = match
+    passed: dict[str, Any] = json.loads(json.dumps(to_event(asked, route.key, parameters, REQUEST_ID, NOW)))
     return passed
 
 

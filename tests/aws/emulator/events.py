@@ -6,12 +6,13 @@ Source: Amazon API Gateway developer guide, "Create AWS Lambda proxy integration
 import base64
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import parse_qsl, unquote
 
 from tests.aws.emulator.intrinsics import ACCOUNT
+from tests.helpers.service.in_process import Response
 
 API_ID = "local"
 
@@ -38,19 +39,6 @@ class Request:
     def header(self, name: str) -> str | None:
         """Return the first header of that name (lower case)."""
         return next((value for key, value in self.headers if key.lower() == name), None)
-
-
-@dataclass(frozen=True)
-class Response:
-    """An HTTP response; header names are lower case."""
-
-    status: int
-    headers: Mapping[str, str] = field(default_factory=dict)
-    body: bytes = b""
-
-    def json(self) -> Any:
-        """Return the body, parsed."""
-        return json.loads(self.body)
 
 
 def message(status: int, text: str) -> Response:

@@ -1,18 +1,49 @@
 """API Gateway's part: an HTTP API made from the template. It knows no path and no function by name."""
 
+import re
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from urllib.parse import unquote
 
-from tests.aws.emulator.events import Request, Response, message, to_event, to_response
+from tests.aws.emulator.events import Request, message, to_event, to_response
 from tests.aws.emulator.functions import Function, FunctionError
-from tests.aws.emulator.routes import Routes
-from tests.aws.emulator.template import Template
+from tests.aws.emulator.template import RouteSpec, Template
+from tests.helpers.service.in_process import Response
 
 # An HTTP API's integration timeout, seconds. Source: Amazon API Gateway developer guide, "Quotas for HTTP
 # APIs".
 INTEGRATION_TIMEOUT_S = 30.0
+
+
+class Routes:
+    """A template's routes: the most specific path that has the method wins, and there the method before ANY.
+
+    A literal segment is more specific than a `{parameter}`. Source: Amazon API Gateway developer guide,
+    "Create routes for HTTP APIs in API Gateway".
+    """
+
+    def __init__(self, routes: Iterable[RouteSpec]):
+        self._routes = sorted(
+            ((re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/]+)", route.path)), route) for route in routes),
+            key=lambda entry: (_rank(entry[1].path), entry[1].method == "ANY"),
+        )
+
+    def match(self, method: str, path: str) -> tuple[RouteSpec, dict[str, str]] | None:
+        """Find the route of a request and its parameters.
+
+        `path` is percent-encoded and matched decoded, as an HTTP API does.
+        """
+        decoded = unquote(path)
+        for pattern, route in self._routes:
+            if route.method in (method, "ANY") and (found := pattern.fullmatch(decoded)):
+                return route, found.groupdict()
+        return None
+
+
+def _rank(path: str) -> list[bool]:
+    return [segment.startswith("{") for segment in path.split("/")]
 
 
 class Gateway:
@@ -39,7 +70,7 @@ class Gateway:
         origin = request.header("origin")
         if origin and request.method == "OPTIONS" and request.header("access-control-request-method"):
             if self._answers_preflights or self.routes.match(request.method, request.path) is None:
-                return Response(204, self._preflight_headers())
+                return Response(204, self._preflight_headers(), b"")
             return self._route(request)
         # An HTTP API with CORS configured replaces a function's CORS headers by its own.
         response = self._route(request)
@@ -50,10 +81,11 @@ class Gateway:
         match = self.routes.match(request.method, request.path)
         if match is None:
             return message(404, "Not Found")
+        route, parameters = match
         request_id = str(uuid.uuid4())
-        event = to_event(request, match.key, match.parameters, request_id, time.time())
+        event = to_event(request, route.key, parameters, request_id, time.time())
         try:
-            return to_response(self._functions[match.route.function](event, request_id))
+            return to_response(self._functions[route.function](event, request_id))
         except FunctionError:
             return message(500, "Internal Server Error")  # logged where it happened
 

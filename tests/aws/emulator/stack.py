@@ -20,20 +20,15 @@ from calibdb.store import Store
 from infra.server import secrets
 from infra.server.app import ORIGINS
 from infra.server.server import DEVELOPMENT_TOKEN, bind, serving
-from tests.aws.emulator.events import Request, Response, message
-from tests.aws.emulator.functions import Function
+from tests.aws.emulator.events import Request, message
+from tests.aws.emulator.functions import Function, Invokes
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from tests.aws.emulator.intercept import intercepting
 from tests.aws.emulator.intrinsics import REGION
-from tests.aws.emulator.invokes import Invokes
 from tests.aws.emulator.storage import Storage
 from tests.aws.emulator.template import load
+from tests.helpers.service.in_process import Response
 
-# Variables that would lead boto3 away from the storage of this process
-_MISLEADING = (
-    *(f"AWS_ENDPOINT_URL{service}" for service in ("", "_DYNAMODB", "_LAMBDA", "_S3")),
-    *("AWS_PROFILE", "AWS_SESSION_TOKEN"),
-)
 _LOCAL = {
     "AWS_ACCESS_KEY_ID": "local",
     "AWS_SECRET_ACCESS_KEY": "local",  # signs requests that never leave the process
@@ -72,8 +67,7 @@ class LocalStack:
 
     def _start(self, stack: ExitStack) -> None:
         self._listener = stack.enter_context(bind("127.0.0.1", 0))
-        self._port = self._listener.getsockname()[1]
-        self.url = f"http://127.0.0.1:{self._port}"
+        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         # One user is one contributor, and every capture and check counts.
         parameters = {
             "GuidanceUrl": f"{self.url}/calibrate/",
@@ -89,9 +83,9 @@ class LocalStack:
             "CONTRIBUTOR_SECRET": own.contributor,
             **self._environment,
         }
-        stack.enter_context(patch.dict(os.environ, _LOCAL | self.environment))
-        for name in _MISLEADING:
-            os.environ.pop(name, None)
+        # Other variables of AWS would lead boto3 away from the storage of this process.
+        own_variables = {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
+        stack.enter_context(patch.dict(os.environ, own_variables | _LOCAL | self.environment, clear=True))
         Service.forget()
         stack.callback(Service.forget)
         self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
@@ -128,7 +122,7 @@ class LocalStack:
 
     @contextmanager
     def serve(self) -> Iterator[str]:
-        """Serve the API on the loopback interface until the end of the block; yield the address."""
+        """Serve the API on the loopback interface until the end of the block, once; yield the address."""
 
         async def answer(scope: Scope, receive: Receive, send: Send) -> None:
             request = Request(
@@ -142,7 +136,5 @@ class LocalStack:
             response = await loop.run_in_executor(self.workers, self.gateway.handle, request)
             await WebResponse(response.body, response.status, dict(response.headers))(scope, receive, send)
 
-        if self._listener.fileno() == -1:  # an earlier block has closed it
-            self._listener = bind("127.0.0.1", self._port)
         with serving(answer, self._listener):
             yield self.url

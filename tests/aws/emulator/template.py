@@ -35,6 +35,11 @@ class RouteSpec:
     path: str
     function: str
 
+    @property
+    def key(self) -> str:
+        """The `routeKey` of the event."""
+        return f"{self.method} {self.path}"
+
 
 @dataclass(frozen=True)
 class Template:

@@ -6,7 +6,8 @@ from contextlib import contextmanager
 import pytest
 
 from tests.aws.emulator import LocalStack
-from tests.aws.emulator.events import Request, Response
+from tests.aws.emulator.events import Request
+from tests.helpers.service.in_process import Response
 
 
 @contextmanager
