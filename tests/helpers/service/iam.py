@@ -4,21 +4,21 @@ import contextvars
 import fnmatch
 import functools
 import json
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
 from botocore.client import BaseClient
 
-from infra.deploy.package import complete_template
 from tests.aws.emulator.functions import Function
 from tests.aws.emulator.intrinsics import ACCOUNT, REGION, Resolver
+from tests.helpers.data import ROOT
+from tests.helpers.sam import complete
 
-ROOT = Path(__file__).parents[3]
 _running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
 # Operations that are granted under another name than their own.
 _ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "transact_write_items": "PutItem"}
@@ -103,7 +103,7 @@ def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> It
 
 @functools.cache
 def template() -> tuple[Mapping[str, Any], Resolver]:
-    document = complete_template()
+    document = complete()
     defaults = {n: p.get("Default", "") for n, p in document["Parameters"].items()}
     return document, Resolver(defaults, document["Resources"])
 
@@ -190,7 +190,7 @@ def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
 
 @dataclass
 class Recorder:
-    needed: set[tuple[str, Needed]]
+    needed: defaultdict[str, set[Needed]] = field(default_factory=lambda: defaultdict(set))  # by function
 
     @contextmanager
     def recording(self) -> Iterator[None]:
@@ -206,7 +206,7 @@ class Recorder:
             if who is not None:
                 name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
                 service = client.meta.service_model.service_name
-                self.needed |= {(who, one) for one in needs(service, name, asked)}
+                self.needed[who] |= set(needs(service, name, asked))
             return call(client, operation, asked)
 
         return recorded
