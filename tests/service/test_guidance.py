@@ -22,20 +22,13 @@ def take(client: Client, truth: Truth, views: int) -> None:
         assert truth.show(client).status == 200
 
 
-def test_poses_have_hint_and_purpose(running: Client) -> None:
+def test_poses_and_refusals_have_hints(running: Client) -> None:
+    truth = Truth()
     first = running.pose().json
     assert (first["hint_code"], first["purpose"]) == ("first", "a first look")
-    take(running, Truth(), 1)
-    second = running.pose().json
-    assert second["hint_code"] != "first"
-    assert second["purpose"].startswith("to measure ")
-
-
-def test_refusals_have_hints(running: Client) -> None:
-    truth = Truth()
-    first = truth.see(running.pose().json)
-    assert running.view(0, *first).json["accepted"]
+    assert running.view(0, *truth.see(first)).json["accepted"]
     pose = running.pose().json
+    assert pose["hint_code"] != "first"
     ids, points = truth.see(pose)
     mirrored = [[1279 - x, y] for x, y in points]
     before = running.state()
