@@ -120,10 +120,9 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 .thorough-unit:
 	$(PYTEST) $(TWO) -m thorough tests/unit tests/service tests/aws
 
-# kill -9 while captures end, at as many moments as KILLS; and of two processes under load, as often
+# kill -9 of two processes while captures end, at as many moments as KILLS
 .thorough-kills:
-	CALIBDB_KILLS=$(or $(KILLS),54) CALIBDB_LOAD_KILLS=$(or $(KILLS),54) $(PYTEST) -s \
-		tests/service/test_killed_while_finishing.py tests/service/test_killed_under_load.py
+	CALIBDB_KILLS=$(or $(KILLS),54) $(PYTEST) -s tests/service/test_killed_while_finishing.py
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:

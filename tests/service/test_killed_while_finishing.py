@@ -1,6 +1,6 @@
 """kill -9 while captures end: afterwards all of a calibration is there or nothing, and a retry completes it.
 
-`CALIBDB_KILLS` says the number of moments; 1 by default.
+Two processes serve. `CALIBDB_KILLS` says the number of moments; 1 by default.
 """
 
 import os
@@ -103,7 +103,7 @@ def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> Non
         if cut:
             operator("reindex")
             files = published(operator)
-        with LocalProcess(operator.folder) as server, Remote(server.url) as remote:
+        with LocalProcess(operator.folder, {"WORKERS": "2"}) as server, Remote(server.url) as remote:
             for client in (Client(remote, session) for session in cut):
                 state = client.state()
                 outcomes[state["status"]] += 1

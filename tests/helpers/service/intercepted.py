@@ -31,6 +31,7 @@ OPERATIONS: Mapping[str, Mapping[str, str]] = {
         "delete": "DeleteObjects",
         "names": "ListObjectsV2",
     },
+    "site": {"put": "PutObject", "purge_all_versions": "DeleteObjects"},
     "jobs": {"later": "Invoke", "now": "Invoke"},
 }
 #: operations that change something
@@ -41,8 +42,8 @@ Around = Callable[[str, Callable[[], Any]], Any]
 
 
 @contextmanager
-def intercepted(storage: Storage, around: Around) -> Iterator[None]:
-    """Have every call of the ports go through `around` within the block."""
+def intercepted(storage: Storage, around: Around) -> Iterator[Storage]:
+    """Have every call of the ports go through `around` within the block; yields these ports."""
 
     def wrap(method: Callable[..., Any], operation: str) -> Callable[..., Any]:
         return lambda *arguments, **options: around(operation, lambda: method(*arguments, **options))
@@ -53,20 +54,20 @@ def intercepted(storage: Storage, around: Around) -> Iterator[None]:
             original, **{method: wrap(getattr(original, method), o) for method, o in OPERATIONS[name].items()}
         )
 
-    with opened(replace(storage, **{name: port(name) for name in OPERATIONS})):
-        yield
+    changed = replace(storage, **{name: port(name) for name in OPERATIONS})
+    with opened(changed):
+        yield changed
 
 
 @contextmanager
-def intercepted_service(storage: Storage, around: Around, **build: Any) -> Iterator[None]:
+def intercepted_service(storage: Storage, around: Around, **build: Any) -> Iterator[Storage]:
     """As `intercepted`, for services that exist already; `build`: arguments of `Service.build`."""
-
-    with intercepted(storage, around), override_service(**build):
-        yield
+    with intercepted(storage, around) as changed, override_service(**build):
+        yield changed
 
 
 @contextmanager
-def crash_after(storage: Storage, writes: int, **build: Any) -> Iterator[None]:
+def crash_after(storage: Storage, writes: int, **build: Any) -> Iterator[Storage]:
     """Lose every write after so many that wrote something: those of a process that was killed there."""
     done, lock = [0], threading.Lock()
 
@@ -80,5 +81,5 @@ def crash_after(storage: Storage, writes: int, **build: Any) -> Iterator[None]:
             done[0] += result is not False
         return result
 
-    with intercepted_service(storage, around, **build):
-        yield
+    with intercepted_service(storage, around, **build) as changed:
+        yield changed

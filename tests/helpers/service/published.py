@@ -7,16 +7,16 @@ from typing import Any
 
 import calibsolver
 from calibdb import schema
-from calibdb.camera_key import camera_key
 from calibdb.settings import Settings
 from calibdb.store import Store, StreamMode
 from calibsolver import Board, fit
 from infra.server.server import Server
+from tests.helpers.service import known
 from tests.helpers.service.client import Truth
 
 IMG_SIZE = (1280, 720)
 NOW = 1_700_000_000
-PLATFORM = "X11; Linux x86_64"
+PLATFORM = known.LINUX
 TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
 BOARD = Board()
 MODELS = ("rectilinear",)
@@ -75,29 +75,19 @@ def calibration(
     `truth`: what differs from the camera that `Truth` is.
     """
     seen, record = fitted(n, views, **truth)
-    key = camera_key(camera, PLATFORM)
+    made = known.calibration(camera, PLATFORM, of=record)
     name = hashlib.sha256(f"{camera}/{n}".encode()).hexdigest()[:12]
-    return schema.CalibrationDocument(
-        id=f"{key}-{begun + n:08x}{name}",
-        camera_key=key,
-        camera=camera,
-        platform=PLATFORM,
-        img_size=IMG_SIZE,
-        zoom=0.0,
-        distortion_model="rectilinear",
-        board=schema.Board(),
-        guidance="projection-uncertainty",
-        target_error=0.3,
-        track=schema.Track(),
-        views=tuple(
+    update = {
+        "id": f"{made.camera_key}-{begun + n:08x}{name}",
+        "views": tuple(
             schema.ViewDocument(index=i, ids=tuple(ids), points=tuple((x, y) for x, y in points))
             for i, (ids, points) in enumerate(seen)
         ),
-        fits={"rectilinear": record},
-        solver=calibsolver.FIT_VERSION,
-        contributor=hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
-        time=begun + n + 60,
-    )
+        "solver": calibsolver.FIT_VERSION,
+        "contributor": hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
+        "time": begun + n + 60,
+    }
+    return made.model_copy(update=update)
 
 
 def mode_of(document: schema.CalibrationDocument) -> StreamMode:
