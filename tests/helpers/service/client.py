@@ -71,7 +71,7 @@ class Client:
     stack: Any
     session_id: str = ""
     api_token: str = TOKEN
-    address: str = ""  # where they are, to a stack whose EDGE_SECRETS is `EDGE`
+    address: str = ""  # where they are, to a server of this process
 
     def call(
         self,
@@ -89,15 +89,12 @@ class Client:
             wants_session = operation is None or "sessionId" in operation.credentials
             token = self.session_id if wants_session else self.api_token if operation.credentials else ""
         sent = dict(headers or {})
-        in_process = isinstance(self.stack, Server)
-        if self.address and not in_process:
-            sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
         if token:
             sent["authorization"] = f"Bearer {token}"
         content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
         if content:
             sent.setdefault("content-type", "application/json")
-        if in_process:
+        if isinstance(self.stack, Server):
             caller = self.address or "127.0.0.1"
             response = request(self.stack, method, path, sent, query, content, client=caller)
         else:
