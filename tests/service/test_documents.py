@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board, session
-from infra.server.server import DEVELOPMENT_TOKEN, Server
+from infra.server.server import Server
 from infra.web_build import recorded_examples
 from infra.web_build.docs.templates import samples
 from infra.web_build.openapi import EXAMPLES_PATH
@@ -184,10 +184,6 @@ def test_json_of_the_documents_is_json() -> None:
         for block in blocks(source):
             if block.language == "json":
                 json.loads(block.code)
-
-
-def test_token_of_the_samples_is_that_of_local_stacks() -> None:
-    assert TOKEN == DEVELOPMENT_TOKEN
 
 
 class FakeCamera:

@@ -118,7 +118,8 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
     machine = document["Resources"][name]["Properties"]
     named = {k: resolve(v) for k, v in machine["DefinitionSubstitutions"].items()}
     own = f"{ACCOUNT}:{{}}:{resolve(machine['Name'])}"
-    for state in _states(definition(machine)):
+    definition = json.loads((ROOT / machine["DefinitionUri"]).read_text())
+    for state in _states(definition):
         asked = {k: str(v).strip("${}") for k, v in state.get("Parameters", {}).items()}
         if "ItemReader" in state:
             listed_there = state["ItemReader"]["Parameters"]
@@ -134,10 +135,6 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
             assert state["Resource"] == "arn:aws:states:::lambda:invoke", state
             function = named[asked["FunctionName"]]
             yield Needed("lambda:InvokeFunction", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{function}")
-
-
-def definition(machine: Mapping[str, Any]) -> Any:
-    return json.loads((ROOT / machine["DefinitionUri"]).read_text())
 
 
 def _states(definition: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
