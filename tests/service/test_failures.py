@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
@@ -55,8 +55,11 @@ def faulty(stack: Server, fault: Callable[[Call], None], share: float = 1.0) -> 
         yield met
 
 
+@dataclass
 class Stubborn(Client):
-    """A client that asks again when it is told to, as the page does."""
+    """A client that asks again when it is told to, as the page does, and notes its accepted views."""
+
+    acknowledged: dict[int, int] = field(default_factory=dict)  # number of points by index
 
     def call(self, method: str, path: str, body: object = None, **options: Any) -> Answer:
         for _ in range(MAX_REPEATS):
@@ -66,21 +69,11 @@ class Stubborn(Client):
             assert answer.headers["retry-after"] == "1"
         raise AssertionError(f"{method} {path}: 503 {MAX_REPEATS} times")
 
-
-def capture(client: Client, truth: Truth, camera: str) -> tuple[Any, dict[int, int]]:
-    """Run a capture; return its last state, and how many points each acknowledged view has."""
-    assert client.open(camera=camera, platform=PLATFORM, **BRIEF).status == 201
-    acknowledged: dict[int, int] = {}
-    for _ in range(12):
-        pose = client.pose().json
-        ids, points = truth.see(pose)
-        answer = client.view(pose["index"], ids, points)
-        assert answer.status == 200, answer
+    def view(self, index: float, ids: Any, points: object) -> Answer:
+        answer = super().view(index, ids, points)
         if answer.json["accepted"]:
-            acknowledged[pose["index"]] = len(ids)
-        if answer.json["status"] == "converged":
-            return answer.json, acknowledged
-    raise AssertionError("not converged")
+            self.acknowledged[index] = len(ids)
+        return answer
 
 
 def kept(state: Any) -> dict[int, int]:
@@ -93,13 +86,13 @@ def test_capture_completes_when_calls_of_storage_fail(
 ) -> None:
     client = Stubborn(stack)
     with faulty(stack, fault, share=0.15) as met:
-        state, acknowledged = capture(client, Truth(seed=3), f"Through {fault.__name__}")
+        state = Truth(seed=3).calibrate(client, camera=f"Through {fault.__name__}", **BRIEF)
     assert len(met) > 5
-    assert kept(client.state()) == kept(state) == acknowledged
+    assert kept(client.state()) == kept(state) == client.acknowledged
     shown = client.call("GET", f"/v1/calibrations/{state['calibration_id']}", token=TOKEN).json
     assert shown["camera_matrix"] == state["calibration"]["camera_matrix"]
     document = store.calibrations.get(state["calibration_id"])
-    assert {view.index: len(view.ids) for view in document.views} == acknowledged
+    assert {view.index: len(view.ids) for view in document.views} == client.acknowledged
 
 
 def test_storage_outage_returns_503_and_changes_nothing(stack: Server, client: Client) -> None:
@@ -155,15 +148,17 @@ def test_stale_reads_cause_no_wrong_answer(stack: Server, store: Store, client: 
         # Not known yet is no wrong answer; to vouch for three would be one.
         late = client.lookup(camera=camera, platform=PLATFORM, redirect=False)
         assert late.status == 404 or late.json["calibrations"] == 5
-        capture(client, Truth(seed=3), "Captured meanwhile")  # what a session decides by is read as it is
+        # What a session decides by is read as it is.
+        Truth(seed=3).calibrate(client, camera="Captured meanwhile", **BRIEF)
     assert sum(memory.cache_info().hits for memory in memories) > 0
     now = pooled(store, documents[0])
     assert (now.reliable, now.total) == (True, 5)
     assert client.lookup(camera=camera, platform=PLATFORM).json["calibrations"] == 5
 
 
-def test_clock_skew_of_minutes_is_harmless(stack: Server, store: Store, client: Client) -> None:
+def test_clock_skew_of_minutes_is_harmless(stack: Server, store: Store) -> None:
     """Each call is answered by an instance whose clock is up to two minutes off, either way."""
+    client = Stubborn(stack)
     rng, lock = random.Random(2), threading.Lock()
 
     def of(settings: Settings) -> Service:
@@ -172,8 +167,8 @@ def test_clock_skew_of_minutes_is_harmless(stack: Server, store: Store, client: 
         return Service.build(settings, Store.of(settings), lambda: time.time() + off)
 
     with Service.override(of):
-        state, acknowledged = capture(client, Truth(seed=3), "Whose clock")
-        assert kept(client.state()) == acknowledged
+        state = Truth(seed=3).calibrate(client, camera="Whose clock", **BRIEF)
+        assert kept(client.state()) == client.acknowledged
         stack.wait_until_idle(60)
     assert abs(state["calibration"]["calibration_time"] - time.time()) < 130
     key = state["calibration_id"].rpartition("-")[0]
