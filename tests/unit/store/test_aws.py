@@ -24,16 +24,16 @@ def objects(**calls: Any) -> S3Objects:
     return S3Objects(lambda: client, "bucket")
 
 
-def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
+def test_purged_object_leaves_no_version(aws: str) -> None:
     client = boto3.client("s3", REGION)
-    objects = S3Objects(lambda: client, "bucket")
-    client.put_bucket_versioning(Bucket="bucket", VersioningConfiguration={"Status": "Enabled"})
+    objects = S3Objects(lambda: client, aws)
+    client.put_bucket_versioning(Bucket=aws, VersioningConfiguration={"Status": "Enabled"})
     for content in (b"1", b"2"):
         objects.put("a/b", content)
     objects.put("a/bc", b"3")
     objects.delete(["a/b"])
     assert objects.purge_all_versions(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
-    left = client.list_object_versions(Bucket="bucket")
+    left = client.list_object_versions(Bucket=aws)
     assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
 
 

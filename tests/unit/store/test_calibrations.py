@@ -17,7 +17,7 @@ from calibdb.store import Calibrations, Objects, StreamMode, Table
 from calibdb.store.cameras import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.votes import Votes
-from tests.helpers.service.known import calibration, fit
+from tests.helpers.service.known import calibration, consensus, fit
 
 NOW = 1_700_000_000
 VAGUE = Uncertainty(rms=3.01, max=9.0)
@@ -113,17 +113,7 @@ def of_fit(changes: dict[str, object]) -> dict[str, FitRecord]:
 
 
 def rests_on(basis: str) -> ConsensusDocument:
-    return ConsensusDocument(
-        camera_key="k",
-        img_size=(1280, 720),
-        zoom=0,
-        distortion_model="rectilinear",
-        total=len(basis),
-        latest=NOW,
-        basis=basis,
-        pooled=f"pooled {basis}",
-        reason="too_few",
-    )
+    return consensus(key="k").model_copy(update={"basis": basis, "pooled": f"pooled {basis}"})
 
 
 def behind(basis: str) -> GroupsDocument:

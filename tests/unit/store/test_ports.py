@@ -1,8 +1,8 @@
 """Conformance of the ports' implementations: SQLite, and AWS by moto or (`make verify`) ministack."""
 
 import os
-import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -148,17 +148,8 @@ def test_purged_object_is_gone(objects: Objects) -> None:
 
 def at_once(count: int, call: Callable[[int], object]) -> list[object]:
     """Call in as many threads, and return the answers."""
-    answers: list[object] = [None] * count
-
-    def run(n: int) -> None:
-        answers[n] = call(n)
-
-    threads = [threading.Thread(target=run, args=(n,)) for n in range(count)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return answers
+    with ThreadPoolExecutor(count) as threads:
+        return list(threads.map(call, range(count)))
 
 
 def test_of_concurrent_writers_one_wins(table: Table, objects: Objects) -> None:

@@ -1,7 +1,7 @@
 """Connections to the SQLite file."""
 
 import os
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from calibdb.store.sqlite import FILE_NAME, Database, SqliteTable
@@ -20,11 +20,8 @@ def test_threads_of_requests_share_connections(tmp_path: Path) -> None:
     table = SqliteTable(database)
     table.put({"pk": "P", "sk": "S"})
     for _ in range(50):
-        threads = [threading.Thread(target=table.get, args=("P", "S")) for _ in range(READERS)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        with ThreadPoolExecutor(READERS) as threads:
+            list(threads.map(lambda _: table.get("P", "S"), range(READERS)))
     assert 1 <= open_files(tmp_path / FILE_NAME) <= READERS
     database.close()
     assert open_files(tmp_path / FILE_NAME) == 0
