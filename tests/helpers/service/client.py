@@ -13,34 +13,11 @@ import numpy as np
 from infra.server.server import Server
 from infra.web_build.openapi import OPERATIONS
 from infra.web_build.operation import Operation
+from tests.helpers.service.in_process import Response as Answer
 from tests.helpers.service.in_process import request
 
 TOKEN = "cdb_dev_local"
 CAMERA = {"camera": "Test camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-
-
-@dataclass(frozen=True)
-class Answer:
-    status: int
-    headers: Mapping[str, str]
-    body: bytes
-
-    @property
-    def json(self) -> Any:
-        return json.loads(self.body)
-
-    @property
-    def kind(self) -> str:
-        return str(self.json["type"]).rpartition("#")[2]
-
-    @property
-    def problem(self) -> tuple[int, str]:
-        return self.status, self.kind
-
-    @property
-    def fields(self) -> list[str]:
-        assert self.status == 422, self
-        return [error["field"] for error in self.json["errors"]]
 
 
 def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
@@ -96,10 +73,9 @@ class Client:
             sent.setdefault("content-type", "application/json")
         if isinstance(self.stack, Server):
             caller = self.address or "127.0.0.1"
-            response = request(self.stack, method, path, sent, query, content, client=caller)
+            answer = request(self.stack, method, path, sent, query, content, client=caller)
         else:
-            response = self.stack.request(method, path, headers=sent, query=query, body=content)
-        answer = Answer(response.status, response.headers, response.body)
+            answer = self.stack.request(method, path, headers=sent, query=query, body=content)
         promised = {*operation.answers, *operation.all_problems} if operation else {404, 405}
         assert answer.status in promised, (method, path, answer)
         if answer.status >= 400:
