@@ -3,6 +3,8 @@
 Everything after the end of a rig follows from its document and is idempotent.
 """
 
+import secrets
+
 from starlette.responses import Response
 
 from calibdb.compute import exports, rig_course
@@ -20,7 +22,7 @@ def create(call: Call) -> Response:
     ticket, service = call.session(charge="poses"), call.service
     request = call.json(RigRequest)
     lead = running_rigs.Lead(ticket.sid, *call.contributor(ticket))
-    code, secret = rig_rules.code_of(service.random_hex(8)), service.settings.contributor_secret
+    code, secret = rig_rules.code_of(secrets.token_hex(8)), service.settings.contributor_secret
     opened = running_rigs.create(service.store, lead, request, code, secret, service.now)
     return json_response(opened, 201)
 

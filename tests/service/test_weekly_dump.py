@@ -3,13 +3,13 @@
 import gzip
 import hashlib
 import json
-import secrets
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
 
+from calibdb.dump import weekly_dump
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
 from calibdb.errors import UnavailableError
@@ -70,12 +70,10 @@ def vote(document: CalibrationDocument, **given: str) -> VoteDocument:
     return VoteDocument.model_validate_json(json.dumps({**known, **given, "noise": 0.1, "time": 0}))
 
 
-def writer(
-    storage: Storage, now: int = NOW, left: Callable[[], float] = lambda: 900.0, **options: Any
-) -> WeeklyDump:
+def writer(storage: Storage, now: int = NOW, left: Callable[[], float] = lambda: 900.0) -> WeeklyDump:
     dumps, store = Dumps(storage.objects, storage.site), Store.over(storage)
     figures = Figures(dumps, store.cameras, store.miss_counts, store.calibrations, 3)
-    return WeeklyDump(dumps, figures, lambda: now, secrets.token_hex, left, **options)
+    return WeeklyDump(dumps, figures, lambda: now, left)
 
 
 def read(stack: Server, name: str) -> bytes | None:
@@ -132,16 +130,19 @@ def test_dump_holds_what_was_given_and_names_nobody(stack: Server, context: OpsC
     assert {one["contributor"] for one in found}.isdisjoint(one["contributor"] for one in other)
 
 
-def test_dump_survives_a_crash_at_every_write(stack: Server, store: Store) -> None:
+def test_dump_survives_a_crash_at_every_write(
+    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Small parts, and an end after one to three writes: `latest.json` names a whole dump throughout."""
     fill(store, 12)
     assert writer(stack.storage).run() is not None
+    monkeypatch.setattr(weekly_dump, "MAX_PART_BYTES", 1000)
     later = NOW + PERIOD_S
     crashes = 0
     for at in range(60):
         with crash_after(stack.storage, 1 + at % 3) as storage:
             try:
-                writer(storage, later, max_part_bytes=1000).run()
+                writer(storage, later).run()
             except UnavailableError:
                 crashes += 1
         named = latest(stack)
@@ -171,15 +172,17 @@ def test_dump_stops_when_its_time_is_up_and_goes_on(stack: Server, store: Store)
     assert writer(stack.storage, NOW + PERIOD_S).run() is not None
 
 
-def test_two_writers_make_one_dump(stack: Server, store: Store) -> None:
+def test_two_writers_make_one_dump(stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     """The one that was overtaken while it wrote a part stops; no part is named that another replaced."""
     fill(store, 12)
-    slow = writer(stack.storage, max_part_bytes=1000)
+    monkeypatch.setattr(weekly_dump, "MAX_PART_BYTES", 1000)
+    slow = writer(stack.storage)
     original, overtaken = slow.dumps.advance, []
 
     def advance(draft: Any, tag: str) -> str | None:
         if not overtaken:
-            overtaken.append(writer(stack.storage, max_part_bytes=2000).run())
+            monkeypatch.setattr(weekly_dump, "MAX_PART_BYTES", 2000)
+            overtaken.append(writer(stack.storage).run())
         return original(draft, tag)
 
     slow.dumps.advance = advance

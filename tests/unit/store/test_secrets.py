@@ -2,7 +2,7 @@
 
 import itertools
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
@@ -29,6 +29,14 @@ class Ssm:
         return {"Parameters": [{"Name": f"/calibdb/stack/{k}", "Value": v} for k, v in self.values.items()]}
 
 
+@pytest.fixture
+def pauses(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Pauses between reads, which take no time."""
+    pauses: list[float] = []
+    monkeypatch.setattr("calibdb.store.secrets.time.sleep", pauses.append)
+    return pauses
+
+
 def test_read_once_and_again_after_five_minutes() -> None:
     ssm, clock = Ssm(), Clock()
     secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
@@ -39,7 +47,7 @@ def test_read_once_and_again_after_five_minutes() -> None:
     assert secrets()["SESSION_SECRETS"] == "b,d,a"
 
 
-def test_cached_secrets_are_used_during_an_outage() -> None:
+def test_cached_secrets_are_used_during_an_outage(pauses: list[float]) -> None:
     ssm, clock = Ssm(), Clock()
     secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
     before = secrets()
@@ -47,9 +55,8 @@ def test_cached_secrets_are_used_during_an_outage() -> None:
     clock.now += SECRETS_TTL_S
     assert secrets() == before
     assert ssm.reads == 2
-    pauses: list[float] = []
     with pytest.raises(UnavailableError):
-        Secrets(lambda: ssm, "/calibdb/stack", clock, pauses.append)()
+        Secrets(lambda: ssm, "/calibdb/stack", clock)()
     assert len(pauses) == MAX_ATTEMPTS - 1
     assert max(pauses) <= 3.0
 
@@ -58,21 +65,21 @@ CROWD, QUOTA = 300, 40  # functions that start within a second; calls in a secon
 GATEWAY_S = 25.0  # s that are left of the gateway's 30 once a function has been loaded
 
 
-def attempts(start: float, uniform: Callable[[float, float], float]) -> list[float]:
-    """Times of the reads of a function that starts now and is always refused."""
-    ssm, pauses = Ssm(), list[float]()
-    ssm.there = False
-    with pytest.raises(UnavailableError):
-        Secrets(lambda: ssm, "/calibdb/stack", Clock(), pauses.append, uniform)()
-    return list(itertools.accumulate(pauses, initial=start))
-
-
 @pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
-def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(seed: int) -> None:
+def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(
+    seed: int, pauses: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """SSM refuses calls beyond its quota, a bucket of tokens that is refilled."""
-    rng = random.Random(seed)
-    starts = [number / CROWD for number in range(CROWD)]
-    reads = sorted((time, start) for start in starts for time in attempts(start, rng.uniform))
+    monkeypatch.setattr("calibdb.store.secrets.random", random.Random(seed))
+    ssm = Ssm()
+    ssm.there = False
+    reads = []
+    for start in (number / CROWD for number in range(CROWD)):
+        pauses.clear()
+        with pytest.raises(UnavailableError):
+            Secrets(lambda: ssm, "/calibdb/stack", Clock())()
+        reads += [(time, start) for time in itertools.accumulate(pauses, initial=start)]
+    reads.sort()
     waited: dict[float, float] = {}
     left, filled, refused = float(QUOTA), 0.0, 0
     for now, start in reads:

@@ -33,14 +33,10 @@ class Secrets:
         client: Callable[[], Any],
         path: str,
         clock: Callable[[], float],
-        sleep: Callable[[float], None] = time.sleep,
-        uniform: Callable[[float, float], float] = random.uniform,
     ) -> None:
         self._client = client
         self._path = path
         self._clock = clock
-        self._sleep = sleep
-        self._uniform = uniform
         self._known: Mapping[str, str] = {}
         self.until = -math.inf
         """Time of the clock at which they are read again."""
@@ -65,7 +61,7 @@ class Secrets:
         # Known values are used rather than waited for.
         for attempt in range(1 if self._known else MAX_ATTEMPTS):
             if attempt:
-                self._sleep(self._uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))
+                time.sleep(random.uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))  # noqa: S311
             try:
                 with available():
                     answer = self._client().get_parameters(Names=names, WithDecryption=True)
