@@ -8,7 +8,6 @@ import json
 import logging
 import threading
 import time
-import uuid
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -34,12 +33,12 @@ class Function:
 
     spec: FunctionSpec
 
-    def __call__(self, event: Any, request_id: str | None = None) -> Any:
+    def __call__(self, event: Any) -> Any:
         """Invoke; event and answer pass through JSON, as they do between AWS's services.
 
         Raises FunctionError if the handler did not answer; the traceback is in the log.
         """
-        context = Context(request_id or str(uuid.uuid4()), time.monotonic() + self.spec.timeout)
+        context = Context(end=time.monotonic() + self.spec.timeout)
         try:
             handler = importlib.import_module(self.spec.module).handler
             return json.loads(json.dumps(handler(json.loads(json.dumps(event)), context)))

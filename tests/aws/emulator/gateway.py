@@ -1,8 +1,6 @@
 """API Gateway's part: an HTTP API made from the template. It knows no path and no function by name."""
 
 import re
-import time
-import uuid
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from urllib.parse import unquote
@@ -26,19 +24,16 @@ class Routes:
 
     def __init__(self, routes: Iterable[RouteSpec]):
         self._routes = sorted(
-            ((re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/]+)", route.path)), route) for route in routes),
+            ((re.compile(re.sub(r"\{\w+\}", "[^/]+", route.path)), route) for route in routes),
             key=lambda entry: (_rank(entry[1].path), entry[1].method == "ANY"),
         )
 
-    def match(self, method: str, path: str) -> tuple[RouteSpec, dict[str, str]] | None:
-        """Find the route of a request and its parameters.
-
-        `path` is percent-encoded and matched decoded, as an HTTP API does.
-        """
+    def match(self, method: str, path: str) -> RouteSpec | None:
+        """Find the route of a request; `path` is percent-encoded and matched decoded, as an HTTP API does."""
         decoded = unquote(path)
         for pattern, route in self._routes:
-            if route.method in (method, "ANY") and (found := pattern.fullmatch(decoded)):
-                return route, found.groupdict()
+            if route.method in (method, "ANY") and pattern.fullmatch(decoded):
+                return route
         return None
 
 
@@ -78,14 +73,11 @@ class Gateway:
         return replace(response, headers=own | (self._origin_headers() if origin else {}))
 
     def _route(self, request: Request) -> Response:
-        match = self.routes.match(request.method, request.path)
-        if match is None:
+        route = self.routes.match(request.method, request.path)
+        if route is None:
             return message(404, "Not Found")
-        route, parameters = match
-        request_id = str(uuid.uuid4())
-        event = to_event(request, route.key, parameters, request_id, time.time())
         try:
-            return to_response(self._functions[route.function](event, request_id))
+            return to_response(self._functions[route.function](to_event(request, route.key)))
         except FunctionError:
             return message(500, "Internal Server Error")  # logged where it happened
 
