@@ -38,13 +38,17 @@ def client(stack: Server) -> Iterator[httpx.Client]:
         yield connected
 
 
-def test_api_and_pages_share_an_origin(client: httpx.Client) -> None:
+def test_api_and_folders_of_pages_share_an_origin(client: httpx.Client) -> None:
     assert client.get("/healthz").json() == {"status": "ok"}
     page = client.get("/")
     assert (page.text, page.headers["content-type"]) == ("<!doctype html>home", "text/html; charset=utf-8")
     assert page.headers["x-content-type-options"] == "nosniff"
     settings = client.get("/config.json").json()
     assert (settings["api"], settings["token"]) == ("/v1", "cdb_dev_local")
+    assert client.get("/calibrate/").text == "<!doctype html>calibrate"
+    redirect = client.get("/calibrate", follow_redirects=False)
+    assert redirect.status_code == 307
+    assert httpx.URL(redirect.headers["location"]).path == "/calibrate/"
 
 
 def test_no_script_may_evaluate_strings(client: httpx.Client) -> None:
@@ -74,13 +78,6 @@ def test_pages_are_asked_for_again_conditionally(client: httpx.Client) -> None:
     assert first.headers["cache-control"] == "no-cache"
     head = client.head("/opencv.wasm", headers={"accept-encoding": "identity"})
     assert (head.headers["content-length"], head.content) == ("4000", b"")
-
-
-def test_folders_have_an_index_and_a_slash(client: httpx.Client) -> None:
-    redirect = client.get("/calibrate", follow_redirects=False)
-    assert redirect.status_code == 307
-    assert httpx.URL(redirect.headers["location"]).path == "/calibrate/"
-    assert client.get("/calibrate/").text == "<!doctype html>calibrate"
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,8 @@ from typing import Any
 
 from calibdb.store import aws, token_cache
 from infra.deploy import account_check, package
+from infra.server.folder import KEYPOINTS, SITE
+from infra.server.server import LIFETIMES
 from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.data import ROOT
@@ -94,15 +96,14 @@ def test_every_public_path_reaches_the_api_through_the_edge() -> None:
         assert any(fnmatch.fnmatchcase(path, pattern) for pattern in patterns), path
 
 
-def test_sessions_and_items_expire() -> None:
-    rules = resources()["KeypointBucket"]["Properties"]["LifecycleConfiguration"]["Rules"]
-    (sessions,) = (rule for rule in rules if rule.get("Prefix") == "sessions/")
-    assert (sessions["Status"], sessions["ExpirationInDays"]) == ("Enabled", 2)
-    expiring = {rule.get("Prefix") for rule in rules if "ExpirationInDays" in rule}
-    assert expiring == {"sessions/", "rigs/", "dumps/"}, "what was given stays; of dumps the draft is here"
-    site = resources()["WebBucket"]["Properties"]["LifecycleConfiguration"]["Rules"]
-    (dumps,) = (rule for rule in site if "ExpirationInDays" in rule)
-    assert (dumps["Prefix"], dumps["ExpirationInDays"]) == ("dumps/2", 35), "and never latest.json"
+def test_objects_and_items_expire_as_on_a_self_hosted_server() -> None:
+    lifetimes = {}
+    for bucket, name in ((KEYPOINTS, "KeypointBucket"), (SITE, "WebBucket")):
+        for rule in resources()[name]["Properties"]["LifecycleConfiguration"]["Rules"]:
+            if "ExpirationInDays" in rule:
+                assert rule["Status"] == "Enabled"
+                lifetimes[bucket, rule["Prefix"]] = 86_400 * rule["ExpirationInDays"]
+    assert lifetimes == LIFETIMES, "what was given stays"
     expiry = resources()["Table"]["Properties"]["TimeToLiveSpecification"]
     assert expiry == {"AttributeName": "ttl", "Enabled": True}
 
