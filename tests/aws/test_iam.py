@@ -27,6 +27,7 @@ from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.stores import with_methods
+from tests.helpers.service.strangers import make, manage, rotate, states
 
 TABLE = "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"
 BUCKET = "arn:aws:s3:::calibdb-keypointbucket"
@@ -65,7 +66,7 @@ def recorded() -> Iterator[Recorded]:
             stack.functions["RefitFunction"](rectilinear)
             use(stack)
             rig = capture_rig(stack)
-            manage(stack)
+            manage_tokens(stack)
             clock.now += 700  # what was counted in memory is written down
             use_again(stack)
             assert Client(stack).call("GET", f"/v1/rigs/{rig}/result", token=TOKEN).status == 200
@@ -180,22 +181,20 @@ def capture_rig(stack: LocalStack) -> str:
     return rig.rig_id
 
 
-def manage(stack: LocalStack) -> None:
+def manage_tokens(stack: LocalStack) -> None:
     """A token that somebody makes, proves, changes, uses, and revokes."""
     client = Client(stack)
-    made = client.call("POST", "/v1/tokens", {"origins": ["https://example.org"]}, token="").json
-    managing, line = made["management_token"], made["origins"][0]["proof"]["content"]
+    made = make(client, "https://example.org")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("calibdb.proof.read_proof", lambda _: line)
-        verified = client.call("POST", "/v1/tokens/self/verify", token=managing).json
-    assert [origin["state"] for origin in verified["origins"]] == ["verified"]
-    other = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json
+        patch.setattr("calibdb.proof.read_proof", lambda _: made["origins"][0]["proof"]["content"])
+        assert set(states(manage(client, "POST", made, "/verify")).values()) == {"verified"}
+    other = make(client)
     for _ in range(2):
         assert client.call("GET", "/v1/usage", token=other["token"]).json["plan"] == "trial"
-    assert client.call("PATCH", "/v1/tokens/self", {"name": "x"}, token=managing).status == 200
-    assert client.call("POST", "/v1/tokens/self/rotate", token=managing).status == 200
-    assert client.call("GET", "/v1/tokens/self", token=managing).status == 200
-    assert client.call("DELETE", "/v1/tokens/self", token=managing).status == 204
+    assert manage(client, "PATCH", made, body={"name": "x"}).status == 200
+    rotate(client, made)
+    assert manage(client, "GET", made).status == 200
+    assert manage(client, "DELETE", made).status == 204
 
 
 def use_again(stack: LocalStack) -> None:

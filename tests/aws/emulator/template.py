@@ -79,9 +79,7 @@ def load(parameters: Mapping[str, str]) -> Template:
         properties = resource.get("Properties", {})
         match resource["Type"]:
             case "AWS::Serverless::Function":
-                functions[name] = _function(
-                    name, _merge(document["Globals"]["Function"], properties), resolve
-                )
+                functions[name] = _function(name, document["Globals"]["Function"], properties, resolve)
                 routes += _routes(name, properties, resolve)
             case "AWS::Serverless::HttpApi":
                 cors = resolve(properties["CorsConfiguration"])
@@ -92,14 +90,17 @@ def load(parameters: Mapping[str, str]) -> Template:
     return Template(functions, tuple(routes), cors, tables, tuple(buckets))
 
 
-def _function(name: str, properties: Mapping[str, Any], resolve: Resolver) -> FunctionSpec:
-    variables = resolve(properties["Environment"]["Variables"])
+def _function(
+    name: str, shared: Mapping[str, Any], own: Mapping[str, Any], resolve: Resolver
+) -> FunctionSpec:
+    variables = shared["Environment"]["Variables"] | own.get("Environment", {}).get("Variables", {})
+    properties = {**shared, **own}
     return FunctionSpec(
         name=name,
         module=f"{properties['CodeUri'].strip('/').replace('/', '.')}.app",
         timeout=float(properties["Timeout"]),
         memory=int(properties["MemorySize"]),
-        environment={key: text(value) for key, value in variables.items()},
+        environment={key: text(value) for key, value in resolve(variables).items()},
     )
 
 
@@ -108,15 +109,3 @@ def _routes(function: str, properties: Mapping[str, Any], resolve: Resolver) -> 
         if event["Type"] == "HttpApi":
             route = resolve(event["Properties"])
             yield RouteSpec(route["Method"].upper(), route["Path"], function)
-
-
-def _merge(base: Any, own: Any) -> Any:
-    """Merge Globals into a resource as SAM does: maps merge, lists concatenate, the rest is replaced.
-
-    Source: AWS SAM developer guide, "Globals section of the AWS SAM template", overridable properties.
-    """
-    if isinstance(base, Mapping) and isinstance(own, Mapping):
-        return {**base, **{key: _merge(base[key], own[key]) if key in base else own[key] for key in own}}
-    if isinstance(base, list) and isinstance(own, list):
-        return base + own
-    return own
