@@ -56,12 +56,11 @@ def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list
 
 
 @functools.cache
-def fitted(
-    n: int, views: int, **truth: Any
-) -> tuple[tuple[tuple[list[int], list[list[float]]], ...], schema.FitRecord]:
-    seen = tuple(held(Truth(seed=n, **truth), views))
-    record = fit([BOARD.view(ids, points) for ids, points in seen], IMG_SIZE).record()
-    return seen, schema.FitRecord.model_validate(record)
+def fitted(n: int, count: int, **truth: Any) -> tuple[tuple[schema.ViewDocument, ...], schema.FitRecord]:
+    seen = views(Truth(seed=n, **truth), count)
+    record = fit([BOARD.view(**view) for view in seen], IMG_SIZE).record()
+    documents = (schema.ViewDocument(index=i, **view) for i, view in enumerate(seen))
+    return tuple(documents), schema.FitRecord.model_validate(record)
 
 
 @functools.lru_cache(maxsize=256)
@@ -79,10 +78,7 @@ def calibration(
     name = hashlib.sha256(f"{camera}/{n}".encode()).hexdigest()[:12]
     update = {
         "id": f"{made.camera_key}-{begun + n:08x}{name}",
-        "views": tuple(
-            schema.ViewDocument(index=i, ids=tuple(ids), points=tuple((x, y) for x, y in points))
-            for i, (ids, points) in enumerate(seen)
-        ),
+        "views": seen,
         "solver": calibsolver.FIT_VERSION,
         "contributor": hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
         "time": begun + n + 60,
