@@ -6,10 +6,8 @@ from missing objects.
 """
 
 import json
-import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from contextlib import AbstractContextManager
 
 import pytest
 
@@ -19,7 +17,7 @@ from functions.refit import app as refit
 from infra.server.jobs import Context
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client, Truth
-from tests.helpers.service.intercepted import intercepted_service
+from tests.helpers.service.intercepted import failing
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, publish, stored, views
 
 ENVIRONMENT = {"MIN_CALIBRATIONS": "2"}  # five only take longer
@@ -30,24 +28,11 @@ def in_lambda(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
 
 
-@contextmanager
-def denied(stack: Server, which: Callable[[int], bool] = lambda _: True) -> Iterator[list[str]]:
+def denied(stack: Server, which: Callable[[int], bool] = lambda _: True) -> AbstractContextManager[list[str]]:
     """Deny the reads whose number, from 0, is one of `which`; yields all reads."""
     stack.wait_until_idle(60)
-    lock, met = threading.Lock(), []
-
-    def around(operation: str, call: Callable[[], Any]) -> Any:
-        if operation != "GetObject":
-            return call()
-        with lock:
-            number = len(met)
-            met.append(operation)
-        if which(number):
-            raise DeniedReadError("Storage denied a read; try again.")
-        return call()
-
-    with intercepted_service(stack.storage, around):
-        yield met
+    error = DeniedReadError("Storage denied a read; try again.")
+    return failing(stack.storage, error, which, {"GetObject"})
 
 
 def known(stack: Server, camera: str) -> StreamMode:

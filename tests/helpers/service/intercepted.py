@@ -1,7 +1,7 @@
 """Calls of the ports of storage in a test's hands: counted, refused, lost."""
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -36,6 +36,8 @@ OPERATIONS: Mapping[str, Mapping[str, str]] = {
 }
 #: operations that change something
 WRITES = {"PutItem", "TransactWriteItems", "UpdateItem", "DeleteItem", "PutObject", "DeleteObjects"}
+#: all that read or write table or bucket
+STORING = {*OPERATIONS["table"].values(), *OPERATIONS["objects"].values()}
 
 #: is given the name of an operation and what performs it, and returns its result
 Around = Callable[[str, Callable[[], Any]], Any]
@@ -64,6 +66,38 @@ def intercepted_service(storage: Storage, around: Around, **build: Any) -> Itera
     """As `intercepted`, for services that exist already; `build`: arguments of `Service.build`."""
     with intercepted(storage, around) as changed, override_service(**build):
         yield changed
+
+
+@contextmanager
+def failing(
+    storage: Storage,
+    error: UnavailableError,
+    which: Callable[[int], bool] = lambda _: True,
+    operations: Collection[str] = STORING,
+    *,
+    heard: bool = True,
+) -> Iterator[list[str]]:
+    """Raise the error for the calls whose number, from 0, is one of `which`; yields all of these calls.
+
+    `heard`: they do nothing; else they are done, and only their result gets lost.
+    """
+    lock, calls = threading.Lock(), []
+
+    def around(operation: str, call: Callable[[], Any]) -> Any:
+        if operation not in operations:
+            return call()
+        with lock:
+            fails = which(len(calls))
+            calls.append(operation)
+        if fails and heard:
+            raise error
+        result = call()
+        if fails:
+            raise error
+        return result
+
+    with intercepted_service(storage, around):
+        yield calls
 
 
 @contextmanager
