@@ -74,16 +74,6 @@ def test_the_older_public_clients_spellings(client: Client) -> None:
     assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
 
 
-def test_missing_model_is_computed_from_keypoints(stack: Server, client: Client) -> None:
-    before = client.lookup(distortion_model="fisheye").json
-    key = before["id"].partition("~")[0]
-    place = f"CAMERA#{key}", "CONSENSUS#1280x720#0#fisheye"
-    stack.storage.table.delete(*place)
-    answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
-    assert answer.json == {**before, "exact_size": False}
-    assert stack.storage.table.get(*place) is not None
-
-
 def test_answered_consensus_is_found_by_its_id(client: Client, known: list[Any]) -> None:
     for expected in (client.lookup().json, known[1]["calibration"]):
         found = client.calibration(expected["id"]).json
