@@ -13,7 +13,7 @@ from calibdb.dump import weekly_dump
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
 from calibdb.errors import UnavailableError
-from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema import CalibrationDocument
 from calibdb.schema.dump import Dump
 from calibdb.store import Store
 from calibdb.store.dumps import Dumps
@@ -26,7 +26,7 @@ from infra.server.server import Server
 from infra.web_build import openapi
 from tests.helpers.service import published
 from tests.helpers.service.intercepted import crash_after
-from tests.helpers.service.known import C920, LINUX, calibration, consensus
+from tests.helpers.service.known import C920, LINUX, calibration, consensus, vote
 from tests.helpers.service.published import put
 
 NOW = 1_795_312_800  # a Sunday
@@ -63,11 +63,6 @@ def fill(
             store.calibrations.withdraw(document, "wrong", NOW)
         made.append(document)
     return made
-
-
-def vote(document: CalibrationDocument, **given: str) -> VoteDocument:
-    known = document.model_dump(exclude={"layout", "fits", "time", *GIVEN})
-    return VoteDocument.model_validate_json(json.dumps({**known, **given, "noise": 0.1, "time": 0}))
 
 
 def writer(storage: Storage, now: int = NOW, left: Callable[[], float] = lambda: 900.0) -> WeeklyDump:

@@ -10,6 +10,7 @@ from calibdb.schema import (
     Track,
     Uncertainty,
     ViewDocument,
+    VoteDocument,
 )
 
 LINUX = "X11; Linux x86_64"
@@ -109,3 +110,9 @@ def calibration(
         contributor=f"contributor {number}",
         time=time + number,
     )
+
+
+def vote(of: CalibrationDocument, **changes: object) -> VoteDocument:
+    """A vote on the views of a calibration, given without a licence."""
+    consent = {"licence": None, "licence_version": None}
+    return VoteDocument(**{**dict(of), **consent, "noise": 0.1, **changes})

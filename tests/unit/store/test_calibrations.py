@@ -4,20 +4,18 @@ import pytest
 
 from calibdb.camera_key import camera_key
 from calibdb.schema import (
-    Board,
     CalibrationDocument,
     ConsensusDocument,
     FitRecord,
     GroupsDocument,
     Track,
     Uncertainty,
-    VoteDocument,
 )
 from calibdb.store import Calibrations, Objects, StreamMode, Table
 from calibdb.store.cameras import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.votes import Votes
-from tests.helpers.service.known import calibration, consensus, fit
+from tests.helpers.service.known import calibration, consensus, fit, vote
 
 NOW = 1_700_000_000
 VAGUE = Uncertainty(rms=3.01, max=9.0)
@@ -156,19 +154,8 @@ def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     assert leases.take(place, "first", NOW + 32, NOW + 62)
 
 
-VOTE = VoteDocument(
-    id="6553f100aaaaaaaaaaaa",
-    camera_key="c4-k-0123456789ab",
-    camera="K",
-    platform="Linux",
-    img_size=(1280, 720),
-    zoom=0,
-    board=Board(),
-    views=(),
-    noise=0.1,
-    contributor="somebody",
-    time=NOW,
-)
+VOTED = calibration("K", "Linux", key="c4-k-0123456789ab")
+VOTE = vote(VOTED, id="6553f100aaaaaaaaaaaa", contributor="somebody", time=NOW)
 
 
 def test_first_vote_of_an_id_counts(votes: Votes) -> None:

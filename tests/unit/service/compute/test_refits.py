@@ -7,9 +7,9 @@ import pytest
 
 from calibdb.compute import refits
 from calibdb.compute.refits import input_digest, pool_digest
-from calibdb.schema import VoteDocument
 from calibdb.settings import Thresholds
 from infra.server.server import Server
+from tests.helpers.service.known import vote
 from tests.helpers.service.published import NOW, asked, calibration, mode_of, publish, store
 
 
@@ -28,10 +28,10 @@ def test_stale_parts_only_are_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     record("pool")
     record("count")
     made, other = (calibration("Recounted", n) for n in range(2))
-    same = {**dict(made), "id": f"{NOW:08x}{'0' * 12}", "source": "elsewhere"}
     with Server(worker=1) as stack:
         publish(stack, made)
-        store(stack).votes.cast(VoteDocument(**same, noise=0.1, fit=made.fits["rectilinear"]))
+        other_source = {"id": f"{NOW:08x}{'0' * 12}", "source": "elsewhere"}
+        store(stack).votes.cast(vote(made, fit=made.fits["rectilinear"], **other_source))
         for _ in range(2):
             recounted = store(stack).refit.now(asked(mode_of(made), "rectilinear")).models["rectilinear"]
             assert recounted is not None
