@@ -83,7 +83,8 @@ def test_overtaken_result_is_not_written(stack: Server, store: Store) -> None:
 
 def test_malformed_refit_is_kept_with_its_error(stack: Server) -> None:
     stack.storage.jobs.later("refit", b'{"camera": 5}')
-    [(name, payload, error)] = until(stack.jobs.failures)
+    failures = "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL"
+    [(name, payload, error)] = until(lambda: stack.jobs._database.rows(failures))
     assert (name, json.loads(payload), error.partition(":")[0]) == ("refit", {"camera": 5}, "ValidationError")
 
 
