@@ -117,15 +117,19 @@ def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corne
 def test_batch_without_time_returns_the_results_it_has(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch, left_s: float
 ) -> None:
-    judged = []
+    judge, judged = Capture.judge, []
     after_third = iter([left_s])
+
+    def counted(*arguments: Any, **options: Any) -> Any:
+        judged.append(judge(*arguments, **options))
+        return judged[-1]
 
     def seconds_left(_: Call) -> float:
         return 2.0 if len(judged) < 3 else next(after_third, 0.0)
 
     with monkeypatch.context() as patch:
         patch.setattr(Call, "seconds_left", seconds_left)
-        patch.setattr("calibsolver.capture.Capture.judge", counted(judged))
+        patch.setattr(Capture, "judge", counted)
         answer = send(recorded, corners).json
     assert [result["index"] for result in answer["results"]] == [0, 1, 2]
     assert len(recorded.state()["views"]) == 3
@@ -134,13 +138,3 @@ def test_batch_without_time_returns_the_results_it_has(
     with monkeypatch.context() as patch:
         patch.setattr(Call, "seconds_left", lambda _: 0.0)
         assert send(recorded, corners[:1], index=8).status in (409, 503)
-
-
-def counted(judged: list[object]) -> Any:
-    judge = Capture.judge
-
-    def run(self: Capture, *arguments: Any, **options: Any) -> Any:
-        judged.append(judge(self, *arguments, **options))
-        return judged[-1]
-
-    return run
