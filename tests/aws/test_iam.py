@@ -5,7 +5,7 @@ them, and held against the template's statements.
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ from calibdb.store.versions import Sessions
 from tests.aws.emulator import LocalStack
 from tests.helpers.clock import Clock
 from tests.helpers.service.client import CAMERA, Client, Truth
-from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
+from tests.helpers.service.iam import Grant, Needed, grants, needs_of_machine, recording, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.stores import with_methods
@@ -31,7 +31,7 @@ from tests.helpers.service.strangers import make, manage, rotate, states
 
 TABLE = "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"
 BUCKET = "arn:aws:s3:::calibdb-keypointbucket"
-Recorded = dict[str, set[Needed]]  # by function
+Recorded = Mapping[str, set[Needed]]  # by function
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless
 UNASKED = {
@@ -42,7 +42,7 @@ UNASKED = {
 
 @pytest.fixture(scope="module")
 def recorded() -> Iterator[Recorded]:
-    recorder, clock = Recorder(), Clock(time.time())
+    clock = Clock(time.time())
     # On AWS each function remembers tokens for itself; here they would share one memory.
     instances: dict[tuple[str | None, Settings], Service] = {}
 
@@ -62,7 +62,7 @@ def recorded() -> Iterator[Recorded]:
         rectilinear = asked(mode, "rectilinear").model_dump(mode="json")
         for document in known[:2]:
             store(stack).calibrations.publish(document)
-        with recorder.recording():
+        with recording() as needed:
             stack.functions["RefitFunction"](rectilinear)
             use(stack)
             rig = capture_rig(stack)
@@ -86,7 +86,7 @@ def recorded() -> Iterator[Recorded]:
             for document in known:
                 store(stack).calibrations.withdraw(document, "wrong", 0)
             stack.functions["RefitFunction"](asked(mode).model_dump(mode="json"))
-        yield recorder.needed
+        yield dict(needed)
 
 
 def use(stack: LocalStack) -> None:

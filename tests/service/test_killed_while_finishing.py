@@ -19,6 +19,7 @@ from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, Answer, Client, Truth
 from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import store
+from tests.helpers.service.published import views as held_views
 from tests.helpers.service.remote import Remote
 from tests.helpers.stack.processes import LocalProcess
 
@@ -27,18 +28,6 @@ MOMENTS = int(os.environ.get("CALIBDB_KILLS", "1"))
 AT_ONCE = min(6, MOMENTS)
 KILLS = MOMENTS // AT_ONCE
 Views = list[dict[str, Any]]
-
-
-def capture() -> Views:
-    views = []
-    with Server() as stack:
-        client, truth, status = Client(stack), Truth(seed=3), "capturing"
-        client.open(**BRIEF)
-        while status == "capturing":
-            ids, points = truth.see(client.pose().json)
-            views.append({"index": len(views), "ids": ids, "points": points})
-            status = send(client, views[-1]).json["status"]
-    return views
 
 
 def begin(remote: Remote, views: Views, camera: str) -> str:
@@ -94,7 +83,8 @@ def published(operator: Operator) -> set[str]:
 
 
 def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> None:
-    views, rng = capture(), random.Random(7)
+    views = [{"index": n, **view} for n, view in enumerate(held_views(Truth(seed=3), 4))]
+    rng = random.Random(7)
     cut = []
     files = set()
     window = 0.0

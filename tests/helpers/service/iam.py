@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import pytest
@@ -185,28 +185,24 @@ def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
     yield from asked["ExpressionAttributeNames"].values()
 
 
-@dataclass
-class Recorder:
-    needed: defaultdict[str, set[Needed]] = field(default_factory=lambda: defaultdict(set))  # by function
+@contextmanager
+def recording() -> Iterator[Mapping[str, set[Needed]]]:
+    """Yield what functions ask of AWS within the block, by function."""
+    needed: defaultdict[str, set[Needed]] = defaultdict(set)
+    call = BaseClient._make_api_call
 
-    @contextmanager
-    def recording(self) -> Iterator[None]:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Function, "__call__", _named(Function.__call__))
-            patch.setattr(BaseClient, "_make_api_call", self._recorded(BaseClient._make_api_call))
-            patch.setattr(ThreadPoolExecutor, "submit", _inherited(ThreadPoolExecutor.submit))
-            yield
+    def recorded(client: Any, operation: str, asked: Mapping[str, Any]) -> Any:
+        who = _running.get()
+        if who is not None:
+            name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
+            needed[who] |= set(needs(client.meta.service_model.service_name, name, asked))
+        return call(client, operation, asked)
 
-    def _recorded(self, call: Callable[..., Any]) -> Callable[..., Any]:
-        def recorded(client: Any, operation: str, asked: Mapping[str, Any]) -> Any:
-            who = _running.get()
-            if who is not None:
-                name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
-                service = client.meta.service_model.service_name
-                self.needed[who] |= set(needs(service, name, asked))
-            return call(client, operation, asked)
-
-        return recorded
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Function, "__call__", _named(Function.__call__))
+        patch.setattr(BaseClient, "_make_api_call", recorded)
+        patch.setattr(ThreadPoolExecutor, "submit", _inherited(ThreadPoolExecutor.submit))
+        yield needed
 
 
 def running() -> str | None:
