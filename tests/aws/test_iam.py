@@ -16,17 +16,14 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.aws import DynamoTable
 from calibdb.store.ports import Condition, Item
-from calibdb.store.rigs import Rigs
-from calibdb.store.storage import storage_of
-from calibdb.store.versions import Sessions
 from tests.aws.emulator import LocalStack
 from tests.helpers.clock import Clock
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, grants, needs_of_machine, recording, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 from tests.helpers.service.rigs import RigTruth
-from tests.helpers.service.stores import with_methods
 from tests.helpers.service.strangers import make, manage, rotate, states
 
 TABLE = "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"
@@ -49,7 +46,7 @@ def recorded() -> Iterator[Recorded]:
     def of(settings: Settings) -> Service:
         key = (running(), settings)
         if key not in instances:
-            instances[key] = Service.build(settings, contended(settings), clock)
+            instances[key] = Service.build(settings, Store.of(settings), clock)
         return instances[key]
 
     environment = {"CONTRIBUTOR_PERIOD": "86400", "MIN_CALIBRATIONS": "2"}
@@ -128,31 +125,21 @@ def use(stack: LocalStack) -> None:
         assert client.call("GET", "/healthz", token="", query="deep=1").status == 503
 
 
-#: what the key of a write begins with that is to come too late, as when another request got ahead
-_to_lose: list[str] = []
-
-
-def contended(settings: Settings) -> Store:
-    """Storage in which a write of a session, or of a rig, can come too late."""
-    storage = storage_of(settings)
-    table, objects = storage.table, storage.objects
-
-    def put(item: Item, condition: Condition | None = None) -> bool:
-        if _to_lose and str(item["pk"]).startswith(_to_lose[-1]):
-            _to_lose.pop()
-            return False
-        return table.put(item, condition)
-
-    losing = with_methods(table, put=put)
-    return replace(Store.of(settings), sessions=Sessions(losing, objects), rigs=Rigs(losing, objects))
-
-
 @contextmanager
 def overtaken(key: str = "SESSION#") -> Iterator[None]:
-    """The first write of a session, or of another key, within the block comes too late."""
-    _to_lose.append(key)
-    yield
-    assert not _to_lose
+    """The first write of a session, or of another key, comes too late, as when another request got ahead."""
+    put, lost = DynamoTable.put, []
+
+    def put_late(table: DynamoTable, item: Item, condition: Condition | None = None) -> bool:
+        if not lost and item["pk"].startswith(key):
+            lost.append(item)
+            return False
+        return put(table, item, condition)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(DynamoTable, "put", put_late)
+        yield
+    assert lost
 
 
 def capture_rig(stack: LocalStack) -> str:

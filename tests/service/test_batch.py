@@ -8,20 +8,15 @@ import pytest
 from calibdb.http.call import Call
 from calibsolver.capture import Capture
 from tests.helpers.service.client import Answer, Client, Truth
+from tests.helpers.service.published import views
 
 JOBS = False
 Corners = dict[str, Any]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def corners() -> list[Corners]:
-    truth, rng = Truth(), np.random.default_rng(0)
-    views = []
-    for turn in range(8):
-        rvec = [0.5 * np.cos(turn), 0.5 * np.sin(turn), rng.uniform(-0.2, 0.2)]
-        ids, points = truth.see({"rvec": rvec, "tvec": [-4.0, -3.0, rng.uniform(8, 11)]})
-        views.append({"ids": ids, "points": points})
-    return views
+    return views(Truth(), 8)
 
 
 @pytest.fixture
