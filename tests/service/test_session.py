@@ -1,16 +1,14 @@
 """A session's rules over HTTP."""
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from typing import Any
+from unittest import mock
 
 import pytest
 
 from calibdb.errors import UnavailableError
-from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, Answer, Client, Truth, until
-from tests.helpers.service.stores import override_service, with_methods
 
 
 def test_a_repeat_does_not_bring_an_undone_view_back(running: Client) -> None:
@@ -53,19 +51,11 @@ def test_the_last_view_repeated_publishes_once(stack: Server, client: Client) ->
     assert client.state() == state
 
 
-@pytest.mark.parametrize(("noun", "verb"), [("calibrations", "publish"), ("refit", "later")])
-def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: str) -> None:
-    camera = f"Camera whose {verb} fails"
+@pytest.mark.parametrize("step", ["calibrations.Calibrations.publish", "refit.Refit.later"])
+def test_repeat_completes_a_failed_publication(client: Client, step: str) -> None:
+    camera = f"Camera whose {step} fails"
     client.open(camera=camera, **BRIEF)
-
-    def fail(*_: object) -> None:
-        raise UnavailableError("Storage did not answer.")
-
-    def broken(store: Store) -> Store:
-        part = with_methods(getattr(store, noun), **{verb: fail})
-        return replace(store, **{noun: part})
-
-    with override_service(broken):
+    with mock.patch(f"calibdb.store.{step}", side_effect=UnavailableError("Storage did not answer.")):
         index, view, answer = shown_to_the_end(client)
     assert answer.status == 503
     assert answer.headers["retry-after"] == "1"
