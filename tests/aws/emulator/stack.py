@@ -38,8 +38,6 @@ _LOCAL = {
     "AWS_REGION": REGION,
     "AWS_DEFAULT_REGION": REGION,
 }
-# A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
-_THREADS = max(4, 2 * (os.cpu_count() or 1))
 
 
 class LocalStack:
@@ -97,7 +95,7 @@ class LocalStack:
         stack.callback(invokes.close)
         storage.create(self.template.tables, self.template.buckets)
         self.wait_until_idle = invokes.wait_until_idle
-        self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
+        self.workers = ThreadPoolExecutor(thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
         self.gateway = Gateway(self.template, self.functions, self._answers_preflights)
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")

@@ -13,6 +13,7 @@ from calibsolver import Board, fit
 from infra.server.server import Server
 from tests.helpers.service import known
 from tests.helpers.service.client import Truth
+from tests.helpers.service.known import mode_of
 
 IMG_SIZE = (1280, 720)
 NOW = 1_700_000_000
@@ -84,10 +85,6 @@ def calibration(
         "time": begun + n + 60,
     }
     return made.model_copy(update=update)
-
-
-def mode_of(document: schema.CalibrationDocument) -> StreamMode:
-    return StreamMode(document.camera_key, document.img_size, document.zoom)
 
 
 def asked(mode: StreamMode, *models: str) -> schema.RefitRequest:

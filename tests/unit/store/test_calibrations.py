@@ -15,7 +15,7 @@ from calibdb.store import Calibrations, Objects, StreamMode, Table
 from calibdb.store.cameras import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.votes import Votes
-from tests.helpers.service.known import calibration, consensus, fit, vote
+from tests.helpers.service.known import calibration, consensus, fit, mode_of, vote
 
 NOW = 1_700_000_000
 VAGUE = Uncertainty(rms=3.01, max=9.0)
@@ -26,16 +26,12 @@ def votes(table: Table, objects: Objects) -> Votes:
     return Votes(table, objects)
 
 
-def mode(document: CalibrationDocument) -> StreamMode:
-    return StreamMode(document.camera_key, document.img_size, document.zoom)
-
-
 def test_publishing_twice_is_publishing_once(calibrations: Calibrations) -> None:
     document = calibrated(0)
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
-    assert [counted.id for counted in calibrations.newest(mode(document), 200)] == [document.id]
+    assert [counted.id for counted in calibrations.newest(mode_of(document), 200)] == [document.id]
     assert list(calibrations.all()) == [document]
 
 
@@ -45,7 +41,7 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(calibrations: Cali
         calibrations.publish(document)
     for other in ({"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"}, {"zoom": 0.5}):
         calibrations.index(documents[0].model_copy(update=other))
-    found = [counted.id for counted in calibrations.newest(mode(documents[0]), 5)]
+    found = [counted.id for counted in calibrations.newest(mode_of(documents[0]), 5)]
     assert found == [document.id for document in documents[:-6:-1]]
     assert calibrations.read(found) == documents[:-6:-1]
 
@@ -64,7 +60,7 @@ def test_uncounted_calibrations_are_skipped(calibrations: Calibrations) -> None:
     assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is True
     assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is False
     calibrations.publish(documents[2])  # the client repeats its last view
-    place = mode(documents[0])
+    place = mode_of(documents[0])
     assert [c.id for c in calibrations.newest(place, 200)] == [documents[3].id, documents[0].id]
     everything = sorted(calibrations.everything(), key=lambda one: one[0].time)
     assert everything == [(document, n == 2) for n, document in enumerate(documents)]
@@ -78,10 +74,10 @@ def test_source_counts_three_times_at_most(calibrations: Calibrations) -> None:
     busy = [calibrated(n, f"token {n}", source="one place", time=NOW + n * day) for n in range(1, 9)]
     for document in busy:
         calibrations.index(document)
-    found = calibrations.newest(mode(once), 200, day)
+    found = calibrations.newest(mode_of(once), 200, day)
     assert [c.source for c in found] == ["one place"] * 3 + ["elsewhere"]
     assert [c.id for c in found[:3]] == [d.id for d in busy[:-4:-1]], "the newest"
-    assert len(calibrations.newest(mode(once), 200)) == 9, "without a period everything counts"
+    assert len(calibrations.newest(mode_of(once), 200)) == 9, "without a period everything counts"
 
 
 @pytest.mark.parametrize(
@@ -101,7 +97,7 @@ def test_calibration_that_is_no_evidence_does_not_count(
     other = calibrated(1, **wide, fits=of_fit(changes))
     calibrations.index(evidence)
     calibrations.index(other)
-    place = mode(evidence)
+    place = mode_of(evidence)
     assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [evidence.id]
     assert len(calibrations.newest(place, 200)) == 2
 
