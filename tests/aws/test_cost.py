@@ -73,10 +73,7 @@ def test_every_use_has_its_price() -> None:
         (Usage(waits=[("dynamodb", 0.5)] * 1000), 0.005 * 500 * 13.3334e-6),
     ):
         assert sum(price(use, LIST).values()) == pytest.approx(usd)
-
-
-def test_cloudfront_is_paid_by_requests_and_bytes() -> None:
     parts = price(Usage(requests=10**6, sent=10**9), LIST)
     asked, known = price_at_edge(parts, 1e9, LIST)
-    assert known == pytest.approx(1.0 + 0.085)
+    assert known == pytest.approx(1.0 + 0.085), "CloudFront is paid by requests and bytes"
     assert asked == pytest.approx(sum(parts.values()) + known - 0.09)

@@ -8,7 +8,7 @@ import pytest
 from calibdb.http.call import Call
 from calibsolver.capture import Capture
 from tests.helpers.service.client import Answer, Client, Truth
-from tests.helpers.service.published import views
+from tests.helpers.service.published import mirrored, views
 
 JOBS = False
 Corners = dict[str, Any]
@@ -27,10 +27,6 @@ def recorded(client: Client) -> Client:
 
 def send(client: Client, views: list[Corners], index: int = 0) -> Answer:
     return client.call("POST", "/v1/session/batch", {"index": index, "views": views})
-
-
-def mirrored(view: Corners) -> Corners:
-    return {**view, "points": [[1279 - x, y] for x, y in view["points"]]}
 
 
 def test_batch_gives_the_results_and_the_camera_of_single_views(

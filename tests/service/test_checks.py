@@ -11,7 +11,7 @@ from calibdb import schema
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
-from tests.helpers.service.published import NOW, TILTS, calibration, pooled, store, stored
+from tests.helpers.service.published import NOW, TILTS, calibration, mirrored, pooled, store, stored
 
 ENVIRONMENT = {"MIN_CALIBRATIONS": "2"}  # five only take longer
 JOBS = False
@@ -142,10 +142,9 @@ def test_unusable_checks_are_refused(stack: Server, known: str) -> None:
     assert check(stack, known, zoom=2).status == 404
     rng = np.random.default_rng(0)
     noise = [{"ids": list(range(40)), "points": rng.uniform(0, 700, (40, 2)).tolist()}]
-    mirrored = [{**view, "points": [[1279 - x, y] for x, y in view["points"]]} for view in views(3)]
     refused = [
         ([], "views"),
-        (mirrored, "views.0"),
+        ([mirrored(view) for view in views(3)], "views.0"),
         (views(6), "views"),
         (noise, "views"),
         ([{"ids": list(range(8)), "points": [[9 * n, 300] for n in range(8)]}], "views.0"),

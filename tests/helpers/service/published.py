@@ -56,6 +56,10 @@ def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list
     return [{"ids": ids, "points": points} for ids, points in held(truth, count, tilts)]
 
 
+def mirrored(view: dict[str, Any]) -> dict[str, Any]:
+    return {**view, "points": [[IMG_SIZE[0] - 1 - x, y] for x, y in view["points"]]}
+
+
 @functools.cache
 def fitted(n: int, count: int, **truth: Any) -> tuple[tuple[schema.ViewDocument, ...], schema.FitRecord]:
     seen = views(Truth(seed=n, **truth), count)
