@@ -105,11 +105,12 @@ def stale(stack: Server) -> Iterator[list[Any]]:
 
         return answer
 
-    get, query = (
-        remembering(table.get, is_consistent=True),
-        remembering(table.query, is_consistent=False),
+    lagging = with_methods(
+        table,
+        get=remembering(table.get, is_consistent=True),
+        query=remembering(table.query, is_consistent=False),
     )
-    with opened(replace(stack.storage, table=with_methods(table, get=get, query=query))), override_service():
+    with opened(replace(stack.storage, table=lagging)), override_service():
         yield memories
 
 

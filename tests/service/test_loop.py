@@ -9,7 +9,9 @@ import pytest
 
 from calibdb import schema
 from infra.server.server import Server
+from tests.bench.captures import main
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.commands import run
 from tests.helpers.service.published import calibration, publish
 
 
@@ -81,3 +83,8 @@ def test_answered_consensus_is_found_by_its_id(client: Client, known: list[Any])
         assert of_both == schema.Calibration.model_fields.keys()
         assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
         assert client.calibration(expected["id"], "format=calibdb").json == found
+
+
+def test_any_stack_can_be_driven(url: str) -> None:
+    assert "1 captures in" in run(main, url, "--sessions", "1", "--clients", "1").out
+    assert "403" in run(main, url, "--token", "cdb_no_token", "--sessions", "1", status=1).err

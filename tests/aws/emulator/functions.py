@@ -23,10 +23,6 @@ from tests.aws.emulator.template import FunctionSpec
 _log = logging.getLogger("tests.aws.emulator.functions")
 
 
-class FunctionError(Exception):
-    """A handler could not be loaded, raised, or answered with what JSON cannot carry."""
-
-
 @dataclass
 class Function:
     """One function. On AWS an instance serves one call at a time; here one serves them all, in threads."""
@@ -34,18 +30,10 @@ class Function:
     spec: FunctionSpec
 
     def __call__(self, event: Any) -> Any:
-        """Invoke; event and answer pass through JSON, as they do between AWS's services.
-
-        Raises FunctionError if the handler did not answer; the traceback is in the log.
-        """
+        """Invoke; event and answer pass through JSON, as they do between AWS's services. Raises anything."""
         context = Context(end=time.monotonic() + self.spec.timeout)
-        try:
-            handler = importlib.import_module(self.spec.module).handler
-            return json.loads(json.dumps(handler(json.loads(json.dumps(event)), context)))
-        except Exception as error:
-            # Lambda's boundary: a handler may raise anything.
-            _log.exception("%s failed (request %s)", self.spec.name, context.aws_request_id)
-            raise FunctionError(f"{self.spec.name}: {type(error).__name__}: {error}") from error
+        handler = importlib.import_module(self.spec.module).handler
+        return json.loads(json.dumps(handler(json.loads(json.dumps(event)), context)))
 
 
 class Invokes:
@@ -67,10 +55,7 @@ class Invokes:
                 self._unfinished += 1
             self._workers.submit(self._run, function, event)
             return Answer(202, {}, b"")
-        try:
-            return Answer(200, {}, json.dumps(function(event)).encode())
-        except FunctionError as error:
-            return Answer(200, {"X-Amz-Function-Error": "Unhandled"}, json.dumps(str(error)).encode())
+        return _call(function, event)
 
     def wait_until_idle(self, seconds: float) -> None:
         """Wait until no asynchronous invocation is queued or running; raises TimeoutError."""
@@ -83,9 +68,15 @@ class Invokes:
         self._workers.shutdown()
 
     def _run(self, function: Function, event: Any) -> None:
-        try:
-            function(event)
-        finally:  # the function has logged its failure
-            with self._idle:
-                self._unfinished -= 1
-                self._idle.notify_all()
+        _call(function, event)
+        with self._idle:
+            self._unfinished -= 1
+            self._idle.notify_all()
+
+
+def _call(function: Function, event: Any) -> Answer:
+    try:
+        return Answer(200, {}, json.dumps(function(event)).encode())
+    except Exception:  # noqa: BLE001 - a handler may raise anything
+        _log.exception("%s failed", function.spec.name)
+        return Answer(200, {"X-Amz-Function-Error": "Unhandled"}, b"{}")

@@ -1,18 +1,21 @@
 """API Gateway's part: an HTTP API made from the template. It knows no path and no function by name."""
 
+import logging
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from urllib.parse import unquote
 
 from tests.aws.emulator.events import Request, message, to_event, to_response
-from tests.aws.emulator.functions import Function, FunctionError
+from tests.aws.emulator.functions import Function
 from tests.aws.emulator.template import RouteSpec, Template
 from tests.helpers.service.in_process import Response
 
 # An HTTP API's integration timeout, seconds. Source: Amazon API Gateway developer guide, "Quotas for HTTP
 # APIs".
 INTEGRATION_TIMEOUT_S = 30.0
+
+_log = logging.getLogger("tests.aws.emulator.gateway")
 
 
 class Routes:
@@ -78,8 +81,9 @@ class Gateway:
             return message(404, "Not Found")
         try:
             return to_response(self._functions[route.function](to_event(request, route.key)))
-        except FunctionError:
-            return message(500, "Internal Server Error")  # logged where it happened
+        except Exception:  # noqa: BLE001 - a handler may raise anything
+            _log.exception("%s failed", route.function)
+            return message(500, "Internal Server Error")
 
     def _preflight_headers(self) -> dict[str, str]:
         return self._origin_headers() | {

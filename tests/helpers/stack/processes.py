@@ -48,6 +48,14 @@ def environment_of(root: Path, *wheels: Path, startup: str = "") -> Path:
     return scripts
 
 
+def run_installed(*command: str | Path, folder: Path) -> str:
+    """Run a program that finds no checkout; return what it prints."""
+    variables = without_checkout(os.environ)
+    done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 
