@@ -2,6 +2,7 @@
 
 import itertools
 import random
+import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,8 +10,7 @@ import pytest
 from botocore.exceptions import EndpointConnectionError
 
 from calibdb.errors import UnavailableError
-from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets
-from tests.helpers.clock import Clock
+from calibdb.store import secrets
 
 
 class Ssm:
@@ -21,11 +21,22 @@ class Ssm:
 
     def get_parameters(self, *, Names: Sequence[str], WithDecryption: bool) -> dict[str, Any]:  # noqa: N803
         assert WithDecryption
-        assert set(Names) == {f"/calibdb/stack/{name}" for name in NAMES}
+        assert set(Names) == {f"/calibdb/stack/{name}" for name in secrets.NAMES}
         self.reads += 1
         if not self.there:
             raise EndpointConnectionError(endpoint_url="https://ssm.invalid")
         return {"Parameters": [{"Name": f"/calibdb/stack/{k}", "Value": v} for k, v in self.values.items()]}
+
+
+ENVIRONMENT = {"SECRETS_PATH": "/calibdb/stack", "AWS_REGION": "eu-central-1"}
+
+
+@pytest.fixture(autouse=True)
+def ssm(monkeypatch: pytest.MonkeyPatch) -> Ssm:
+    ssm = Ssm()
+    monkeypatch.setattr("calibdb.store.aws.ssm", lambda _: ssm)
+    monkeypatch.setattr(secrets, "_known", {})
+    return ssm
 
 
 @pytest.fixture
@@ -36,27 +47,26 @@ def pauses(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return pauses
 
 
-def test_read_once_and_again_after_five_minutes() -> None:
-    ssm, clock = Ssm(), Clock()
-    secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
-    assert secrets() == secrets() == {"SESSION_SECRETS": "a,b", "CONTRIBUTOR_SECRET": "c"}
-    assert ssm.reads == 1
+def test_secrets_are_read_again_after_five_minutes(ssm: Ssm) -> None:
+    begun = time.monotonic()
+    variables, until = secrets.with_secrets(ENVIRONMENT)
+    assert variables == {**ENVIRONMENT, "SESSION_SECRETS": "a,b", "CONTRIBUTOR_SECRET": "c"}
+    assert begun + 300 <= until <= time.monotonic() + 300
     ssm.values["SESSION_SECRETS"] = "b,d,a"
-    clock.now += SECRETS_TTL_S
-    assert secrets()["SESSION_SECRETS"] == "b,d,a"
+    assert secrets.with_secrets(ENVIRONMENT)[0]["SESSION_SECRETS"] == "b,d,a"
 
 
-def test_cached_secrets_are_used_during_an_outage(pauses: list[float]) -> None:
-    ssm, clock = Ssm(), Clock()
-    secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
-    before = secrets()
+def test_known_secrets_are_used_during_an_outage(
+    ssm: Ssm, pauses: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, _ = secrets.with_secrets(ENVIRONMENT)
     ssm.there = False
-    clock.now += SECRETS_TTL_S
-    assert secrets() == before
+    assert secrets.with_secrets(ENVIRONMENT)[0] == before
     assert ssm.reads == 2
+    monkeypatch.setattr(secrets, "_known", {})
     with pytest.raises(UnavailableError):
-        Secrets(lambda: ssm, "/calibdb/stack", clock)()
-    assert len(pauses) == MAX_ATTEMPTS - 1
+        secrets.with_secrets(ENVIRONMENT)
+    assert len(pauses) == secrets.MAX_ATTEMPTS - 1
     assert max(pauses) <= 3.0
 
 
@@ -65,17 +75,16 @@ GATEWAY_S = 25.0  # s that are left of the gateway's 30 once a function has been
 
 
 def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(
-    pauses: list[float], monkeypatch: pytest.MonkeyPatch
+    ssm: Ssm, pauses: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SSM refuses calls beyond its quota, a bucket of tokens that is refilled."""
     monkeypatch.setattr("calibdb.store.secrets.random", random.Random(0))
-    ssm = Ssm()
     ssm.there = False
     reads = []
     for start in (number / CROWD for number in range(CROWD)):
         pauses.clear()
         with pytest.raises(UnavailableError):
-            Secrets(lambda: ssm, "/calibdb/stack", Clock())()
+            secrets.with_secrets(ENVIRONMENT)
         reads += [(time, start) for time in itertools.accumulate(pauses, initial=start)]
     reads.sort()
     waited: dict[float, float] = {}
