@@ -52,15 +52,11 @@ class Template:
     buckets: tuple[str, ...]
 
     def environment(self) -> dict[str, str]:
-        """Merge the variables of all functions, which share one process here.
-
-        Raises ValueError if two functions give one variable different values.
-        """
+        """Merge the variables of all functions, which share one process here."""
         union: dict[str, str] = {}
         for function in self.functions.values():
             for variable, value in function.environment.items():
-                if union.setdefault(variable, value) != value:
-                    raise ValueError(f"{function.name} and another function disagree about {variable}")
+                assert union.setdefault(variable, value) == value, (function.name, variable)
         return union
 
 

@@ -137,7 +137,7 @@ def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     assert not leases.take(place, "third", NOW, NOW + 30)
     assert leases.take(StreamMode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
     assert not leases.release(place, "first"), "the others wait for another round"
-    leases.again(place, "first", NOW + 30)
+    assert leases.take(place, "first", NOW, NOW + 30), "it computes again"
     assert leases.release(place, "first")
     assert leases.take(place, "second", NOW, NOW + 30)
     assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same request"

@@ -84,7 +84,7 @@ class ModeRefit:
                 done = leases.release(self.mode, self._me)
                 if done:
                     return
-                leases.again(self.mode, self._me, until)
+                leases.take(self.mode, self._me, self.service.now, until)
         finally:
             if not done:
                 leases.abandon(self.mode, self._me)
