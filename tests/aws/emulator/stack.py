@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from typing import Self
 from unittest.mock import patch
 
@@ -40,19 +41,15 @@ _LOCAL = {
 }
 
 
+@dataclass(eq=False)
 class LocalStack:
     """The template's functions, routes and storage while its block lasts. One at a time in a process.
 
     `environment`: variables of the functions, over the template's. `answers_preflights`: as in `Gateway`.
     """
 
-    def __init__(
-        self,
-        environment: Mapping[str, str] | None = None,
-        answers_preflights: bool = False,
-    ):
-        self._answers_preflights = answers_preflights
-        self._environment = environment or {}
+    environment: Mapping[str, str] = field(default_factory=dict)
+    answers_preflights: bool = False
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -79,7 +76,7 @@ class LocalStack:
             "SECRETS_PATH": "",
             "SESSION_SECRETS": own.session,
             "CONTRIBUTOR_SECRET": own.contributor,
-            **self._environment,
+            **self.environment,
         }
         # Other variables of AWS would lead boto3 away from the storage of this process.
         own_variables = {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
@@ -97,7 +94,7 @@ class LocalStack:
         self.wait_until_idle = invokes.wait_until_idle
         self.workers = ThreadPoolExecutor(thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
-        self.gateway = Gateway(self.template, self.functions, self._answers_preflights)
+        self.gateway = Gateway(self.template, self.functions, self.answers_preflights)
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), ORIGINS, "development", int(time.time()))
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
