@@ -7,7 +7,6 @@ import os
 import random
 import threading
 import time
-from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from typing import Any
@@ -88,7 +87,6 @@ def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> Non
     cut = []
     files = set()
     window = 0.0
-    outcomes = Counter()
     for number in range(KILLS + 1):
         if cut:
             operator("reindex")
@@ -96,7 +94,6 @@ def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> Non
         with LocalProcess(operator.folder, {"WORKERS": "2"}) as server, Remote(server.url) as remote:
             for client in (Client(remote, session) for session in cut):
                 state = client.state()
-                outcomes[state["status"]] += 1
                 if state["status"] == "capturing":
                     assert len(state["views"]) == len(views) - 1
                 else:
@@ -114,5 +111,4 @@ def test_kill_while_finishing_is_completed_by_a_retry(operator: Operator) -> Non
             # Random, and yet from all of the time that it takes.
             end_together(server, cut, views[-1], window * (number + rng.random()) / KILLS)
             server.kill()
-    assert sum(outcomes.values()) == KILLS * AT_ONCE
     assert len(published(operator)) == (KILLS + 1) * AT_ONCE, "every capture once"
