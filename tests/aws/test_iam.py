@@ -44,7 +44,7 @@ def recorded() -> Iterator[Recorded]:
     instances: dict[tuple[str | None, Settings], Service] = {}
 
     def of(settings: Settings) -> Service:
-        key = (running(), settings)
+        key = (running.get(), settings)
         if key not in instances:
             instances[key] = Service.build(settings, Store.of(settings), clock)
         return instances[key]

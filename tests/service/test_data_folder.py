@@ -54,8 +54,7 @@ def undamaged(tmp_path_factory: pytest.TempPathFactory) -> Path:
         table.put(item(n))
         objects.put(f"calibrations/{n:03d}.json", content(n))
         if n == ROWS // 2:
-            with opened.database.reading() as connection:
-                connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            opened.database.rows("PRAGMA wal_checkpoint(TRUNCATE)")
     shutil.copytree(made, made.with_name("data"))
     opened.close()
     return made.with_name("data")

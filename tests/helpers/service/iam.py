@@ -19,7 +19,7 @@ from tests.aws.emulator.intrinsics import ACCOUNT, REGION, Resolver
 from tests.helpers.data import ROOT
 from tests.helpers.sam import complete
 
-_running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
+running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
 # Operations that are granted under another name than their own.
 _ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "transact_write_items": "PutItem"}
 
@@ -192,7 +192,7 @@ def recording() -> Iterator[Mapping[str, set[Needed]]]:
     call = BaseClient._make_api_call
 
     def recorded(client: Any, operation: str, asked: Mapping[str, Any]) -> Any:
-        who = _running.get()
+        who = running.get()
         if who is not None:
             name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
             needed[who] |= set(needs(client.meta.service_model.service_name, name, asked))
@@ -205,17 +205,13 @@ def recording() -> Iterator[Mapping[str, set[Needed]]]:
         yield needed
 
 
-def running() -> str | None:
-    return _running.get()
-
-
 def _named(call: Callable[..., Any]) -> Callable[..., Any]:
     def named(function: Function, *arguments: Any) -> Any:
-        before = _running.set(function.spec.name)
+        before = running.set(function.spec.name)
         try:
             return call(function, *arguments)
         finally:
-            _running.reset(before)
+            running.reset(before)
 
     return named
 
