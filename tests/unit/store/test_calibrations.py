@@ -160,7 +160,7 @@ def test_first_vote_of_an_id_counts(votes: Votes) -> None:
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
     found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), one_per_source=False)
-    assert [(cast.source, cast.time) for cast in found] == [("somebody", NOW + 256), ("somebody", NOW)]
+    assert [(cast.id, cast.source) for cast in found] == [(later.id, "somebody"), (VOTE.id, "somebody")]
     assert votes.read(found) == [later, VOTE]
     assert list(votes.all()) == [VOTE, later]
 
