@@ -8,7 +8,6 @@ import pytest
 
 from calibdb.store import Objects, Table
 from calibdb.store.ports import (
-    IF_EXISTS,
     IF_NOT_EXISTS,
     Condition,
     Item,
@@ -36,7 +35,7 @@ def test_item_is_returned_as_it_was_put(table: Table) -> None:
     ("condition", "without_item", "with_item"),
     [
         (IF_NOT_EXISTS, True, False),
-        (IF_EXISTS, False, True),
+        (equals(pk="P#1"), False, True),
         (compared("withdrawn", "absent"), True, True),
         (compared("count", "absent"), True, False),
         (equals(count=7), False, True),
