@@ -59,7 +59,7 @@ def uploads(
         for path in sorted(web.rglob("*"))
         if path.is_file()
         and not path.name.endswith(_EXCLUDED_SUFFIXES)
-        and not path.is_relative_to(web / "messages")
+        and path.relative_to(web).parts[0] not in site.SOURCE_FOLDERS
     } | dict(site.made_files(web, options))
     origin = options.origin if options else ""
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})[:12]}/"

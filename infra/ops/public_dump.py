@@ -1,7 +1,6 @@
 """The public dump of the site, written now instead of by its schedule."""
 
 import math
-import secrets
 
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
@@ -24,7 +23,6 @@ def publish_dump(context: OpsContext) -> Dump:
         dumps=dumps,
         figures=Figures(dumps, store.cameras, store.miss_counts, store.calibrations, least),
         now=lambda: context.now,
-        random_hex=secrets.token_hex,
         seconds_left=lambda: math.inf,
     ).run(force=True)
     if dump is None:

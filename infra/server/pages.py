@@ -126,6 +126,8 @@ class Pages:
             path = path.resolve()
             if self._folder not in path.parents:
                 return None
+            if path.relative_to(self._folder).parts[0] in site.SOURCE_FOLDERS:
+                return None
             is_folder = f"{key}/index.html" in self._made or (path / "index.html").is_file()
             is_file = path.is_file()
         except (OSError, ValueError):  # no file can have this name

@@ -12,7 +12,7 @@ from calibdb.service import Service
 from tests.aws.emulator.events import Request, to_event
 from tests.helpers.sam import resources
 
-EVENT = to_event(Request("GET", "/v1/broken"), "GET /v1/broken", {}, "request", 0.0)
+EVENT = to_event(Request("GET", "/v1/broken"), "GET /v1/broken")
 
 
 def printed(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
