@@ -69,7 +69,7 @@ def test_page_of_a_shared_result_has_its_title(
     addresses = []
     monkeypatch.setattr(export, "read_file", lambda address, *_: (addresses.append(address), plain.body)[1])
     called = Request("GET", f"{PAGE}index.html", f"id={calibration}", (), b"", "127.0.0.1")
-    made = export.handler(to_event(called, "GET /result/index.html", {}, "a", 0.0), None)
+    made = export.handler(to_event(called, "GET /result/index.html"), None)
     assert made["headers"]["content-type"] == "text/html; charset=utf-8"
     assert "s-maxage=60" in made["headers"]["cache-control"]
     site = stack.environment["GUIDANCE_URL"].removesuffix("/calibrate/")

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import deadline, models
+from .. import deadline
 from ..board import Board
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting.uncertainty import projection_jacobian_rotation_free, variance
+from ..fitting.uncertainty import square_errors
 from ..guidance.hints import Hint, Placement, largest_difference
 from ..guidance.target import TargetPose
 from .calibration import RigCalibration
@@ -146,11 +146,8 @@ def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
 
 def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dict[str, Any]:
     camera = calibration.cameras[position]
-    d = projection_jacobian_rotation_free(
-        models.get(camera.model), camera.intrinsics, camera.img_size, UNCERTAINTY_GRID
-    )
-    square = variance(d, calibration.intrinsics_covariance(position))
-    square = np.maximum(square[np.isfinite(square)], 0)
+    square = square_errors(camera, calibration.intrinsics_covariance(position), UNCERTAINTY_GRID)
+    square = square[np.isfinite(square)]
     if not square.size:
         square = np.array([float(max(camera.img_size)) ** 2])
     counted = [
