@@ -21,17 +21,16 @@ from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
-from tests.helpers.rig_vectors import RIGS_PATH
 
 from .conftest import ROOT
 
-KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
+C920 = "HD Pro Webcam C920 (046d:082d)"
+EXAMPLES = json.loads(EXAMPLES_PATH.read_text().replace(C920, "C 1"))
 BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
-#: two cameras of 640 x 480 px
+#: two cameras of one kind
 CAMERAS = f"""
-  {CAMERA.replace("HD Pro Webcam C920 (046d:082d)", "C 1").replace("1280", "640").replace("720", "480")}
-  const devices = [1, 2].map((each) =>
-    ({{ kind: "videoinput", deviceId: `${{each}}`, label: `C ${{each}}` }}));
+  {CAMERA.replace(C920, "C 1")}
+  const devices = ["1", "2"].map((deviceId) => ({{ kind: "videoinput", deviceId, label: "C 1" }}));
   navigator.mediaDevices.enumerateDevices = async () => devices;
 """
 
@@ -39,7 +38,7 @@ CAMERAS = f"""
 @pytest.fixture(scope="module")
 def token(stack: str) -> dict[str, Any]:
     made = httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}, timeout=60)
-    assert made.status_code == 201, made.text
+    made.raise_for_status()
     return made.json()
 
 
@@ -85,9 +84,9 @@ def script(source: str) -> str:
 def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> None:
     page = context.new_page()
     errors = uncaught(page)
-    page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
+    page.route("**/v1/lookup", lambda route: route.fulfill(json=EXAMPLES["lookup"]))
     page.route("**/known/**", lambda route: route.fulfill(status=404))
-    page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=rig_result()))
+    page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=EXAMPLES["showRigResult"]))
     page.add_init_script(CAMERAS)
     page.route("**/cameras.json", lambda route: route.fulfill(json=BUNDLE))
     names = ("calibdb", "calibdb/bundle", "calibdb/adapters/three")
@@ -100,19 +99,6 @@ def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> No
         page.goto(f"/sample-{index}")
         page.wait_for_function("globalThis.done")
     assert errors == []
-
-
-def rig_result() -> dict[str, Any]:
-    pair = json.loads(RIGS_PATH.read_text())[0]
-    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
-    return {
-        "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",
-        "calibrations": [pair["left"] | {"camera": "C 1"}, pair["right"] | {"camera": "C 2"}],
-        "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
-        "unit": "metres",
-        "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},
-        "verdict": {"level": "good", "reasons": []},
-    }
 
 
 def send(html: str, route: Route) -> None:
@@ -151,16 +137,7 @@ def test_pinned_sdk_runs_unchanged_or_not_at_all(
 
 
 def test_search_and_calls_with_an_own_token(page: Page, token: dict[str, Any]) -> None:
-    kept = [
-        {
-            "id": token["id"],
-            "token": token["token"],
-            "management_token": token["management_token"],
-            "origins": [],
-            "name": "Mine",
-        }
-    ]
-    page.add_init_script(f"localStorage.setItem('calibdb.tokens', {json.dumps(json.dumps(kept))})")
+    page.add_init_script(f"localStorage.setItem('calibdb.tokens', {json.dumps(json.dumps([token]))})")
     page.goto("/docs/")
     page.keyboard.press("/")
     expect(page.get_by_role("searchbox")).to_be_focused()

@@ -1,7 +1,6 @@
 """Rectified pairs of the SDK against OpenCV."""
 
 import base64
-import json
 
 import cv2
 import numpy as np
@@ -13,7 +12,7 @@ from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.scripts import PLAIN, page_function
-from tests.helpers.rig_vectors import RIGS_PATH
+from tests.helpers.vectors import recorded
 
 from ..conftest import THOROUGH
 from .test_rectifier import camera, decoded
@@ -38,9 +37,10 @@ def expected(
 
 
 def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page) -> None:
-    pairs = json.loads(RIGS_PATH.read_text())
     (pair,) = [
-        each for each in pairs if tuple(each[side]["distortion_model"] for side in ("left", "right")) == MIXED
+        each
+        for each in recorded("pairs")
+        if tuple(each[side]["distortion_model"] for side in ("left", "right")) == MIXED
     ]
     left, right = camera(pair["left"]), camera(pair["right"])
     motion = RigidMotion.of_vector(np.array([*pair["pose"]["rvec"], *pair["pose"]["tvec"]]))

@@ -1,6 +1,5 @@
 """The samples of docs/webxr.md."""
 
-import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +13,7 @@ from playwright.sync_api import Page
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.scripts import PLAIN
 from tests.helpers.browser.webxr import LABEL, SHARED, known_camera, script
-from tests.helpers.rig_vectors import RIGS_PATH
+from tests.helpers.vectors import recorded
 
 from .conftest import ROOT
 
@@ -87,7 +86,7 @@ def test_none_is_left_out() -> None:
 
 @pytest.mark.thorough
 def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
-    pair = json.loads(RIGS_PATH.read_text())[0]
+    pair = recorded("pairs")[0]
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
     result = {
         "calibrations": [pair["left"], pair["right"]],

@@ -8,7 +8,6 @@ import { LANGUAGES, addMessages, choose, hasMessage, number, rough, say, setLang
 import { messages } from "./messages.mjs";
 
 const WEB = new URL("../../web/", import.meta.url);
-const PARTS = new URL("../../infra/web_build/parts/", import.meta.url);
 const files = (folder, kind) =>
   readdirSync(new URL(folder, WEB), { recursive: true })
     .map((name) => name.replaceAll("\\", "/"))
@@ -19,7 +18,7 @@ const sources = [...files("", ".js"), ...files("", ".html")]
   .concat(
     readdirSync(new URL("../../infra/web_build/", import.meta.url), { recursive: true })
       .map(String)
-      .filter((name) => /\.(html|mjs|py)$/.test(name))
+      .filter((name) => /\.mjs$/.test(name))
       .map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")),
   );
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
@@ -67,9 +66,8 @@ test("every text is used, and every text used is there", () => {
 });
 
 test("pages have no copies of the catalogs' texts", () => {
-  const parts = readdirSync(PARTS).map((name) => new URL(name, PARTS));
-  for (const name of [...files("", ".html").map((each) => new URL(each, WEB)), ...parts]) {
-    const { document } = parseHTML(readFileSync(name, "utf8"));
+  for (const name of files("", ".html")) {
+    const { document } = parseHTML(readFileSync(new URL(name, WEB), "utf8"));
     for (const { dataset, textContent } of document.querySelectorAll("[data-t]"))
       assert.equal(textContent, "", `${name}: ${dataset.t}`);
     assert.equal(document.querySelector("[data-t-label][aria-label], [data-t-content][content]"), null, `${name}`);

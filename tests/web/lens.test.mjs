@@ -8,7 +8,7 @@ import { rectifiedMatrix, rectifyingMap } from "../../web/sdk/rectifier.js";
 
 import { calibrationOf, cameraMatrix, rectangle } from "./scenes.mjs";
 
-const vectors = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", import.meta.url), "utf8"));
+const { lenses: vectors } = JSON.parse(readFileSync(new URL("../data/vectors.json", import.meta.url), "utf8"));
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => value - b[axis]));
 
 const intrinsicsOf = ({ model, k: [fx, fy, cx, cy, ...d] }) => ({

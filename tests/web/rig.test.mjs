@@ -10,7 +10,7 @@ import { rms } from "./scenes.mjs";
 
 const read = (name) => JSON.parse(readFileSync(new URL(name, import.meta.url), "utf8"));
 /** Pairs as the solver rectifies them; the first is OpenCV's own, fitted to real corners. */
-const PAIRS = read("./rigs.json");
+const { pairs: PAIRS } = read("../data/vectors.json");
 const [REAL] = PAIRS;
 const rectifyReal = (options) => rectify(REAL.left, REAL.right, REAL.pose, options);
 const ID = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d";
