@@ -120,22 +120,21 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 .thorough-unit:
 	$(PYTEST) $(TWO) -m thorough tests/unit tests/service tests/aws
 
-# kill -9 while captures end, at as many moments as KILLS; and of two processes under load, as often
+# kill -9 of two processes while captures end, at as many moments as KILLS
 .thorough-kills:
-	CALIBDB_KILLS=$(or $(KILLS),54) CALIBDB_LOAD_KILLS=$(or $(KILLS),54) $(PYTEST) -s \
-		tests/service/test_killed_while_finishing.py tests/service/test_killed_under_load.py
+	CALIBDB_KILLS=$(or $(KILLS),54) $(PYTEST) -s tests/service/test_killed_while_finishing.py
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
 	CASES=$(or $(CASES),5000) FILES=$(or $(FILES),100000) SEED=$(or $(SEED),0) $(PYTEST) \
-		tests/service/test_openapi_fuzz.py tests/service/test_fuzz.py tests/service/test_foreign_files.py \
+		tests/service/test_openapi_fuzz.py tests/service/test_foreign_files.py \
 		tests/unit/service/schema/test_schema_fuzz.py tests/service/test_raw_requests.py
 
 kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: export PYTHONPATH := $(PYTHONPATH):clients/python
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,contributors,real-contributors,rigs,frc,keys,estimates,first-views,load,memory,capacity,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,real-contributors,rigs,frc,keys,estimates,load,memory,capacity,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
@@ -190,7 +189,7 @@ CALLS := $(wildcard functions/*/*.py layers/service/calibdb/schema/*.py infra/we
 .build/examples.json: .venv/.made $(CALLS)
 	@$(PY) -m infra.web_build.recorded_examples
 
-.build/openapi.json: .build/examples.json $(CALLS)
+.build/openapi.json: .build/examples.json web/templates/docs/calls.md $(CALLS)
 	@mkdir -p $(@D)
 	@$(PY) -m infra.web_build.openapi $@
 
@@ -208,8 +207,15 @@ lock: $(UV) ## write the lock files anew
 	npm install --package-lock-only
 	node infra/ci/lock.mjs
 
-layers: $(UV) .venv/.made node_modules/.made ## build both layers for arm64 in .build/layers
-	@UV=$(abspath $(UV)) $(PY) -m infra.deploy.layers --build
+layers: .layer-service .layer-solver ## build both layers for arm64 in .build/layers
+	@$(PY) -m infra.deploy.layers
+
+# Without the layers' sources in PYTHONPATH
+.layer-%: $(UV) .venv/.made node_modules/.made
+	@echo "install and compile the $* layer"
+	@rm -rf .build/layers/$*
+	@env -u PYTHONPATH $(MAKE) --silent -C layers/$* ARTIFACTS_DIR=$(CURDIR)/.build/layers/$* UV=$(abspath $(UV)) \
+		COMPILE="node $(CURDIR)/infra/deploy/compile.mjs"
 
 MINISTACK := .build/ministack/bin/hypercorn
 
@@ -237,13 +243,26 @@ verify: $(SETUP) ## check the deployment and the packages with other people's pr
 	@$(PY) -m infra.deploy.package .build/template.yaml
 	$(CHECKOV) --config-file infra/checkov.yaml --skip-download -f .build/template.yaml
 
-# The storage tests against another implementation of AWS than moto
+# The storage tests against another implementation of AWS than moto, whose lenience hides differences
 .verify-conformance: $(MINISTACK)
-	@$(PY) -m infra.ci.conformance
+	@$(PY) -m infra.ci.ministack $(PYTEST) -q $(addprefix tests/unit/store/test_,ports.py aws.py store.py calibrations.py names.py)
 
-# calibsolver and the client with the lowest and the highest versions of Python, numpy and OpenCV
+# Tests that need only calibsolver and the client
+PINNED := $(addprefix tests/unit/solver/,fitting/test_fit.py fitting/test_rivals.py \
+	formats/test_foreign_models.py formats/test_conversion_error.py test_locate.py rig/test_fit.py) \
+	$(addprefix tests/unit/client/test_,boards_in_pictures.py circles.py files.py fix.py undistort_and_check.py)
+
+# calibsolver and the client with the lowest and the highest versions of Python, numpy and OpenCV that they permit
 .verify-pins: $(UV) .venv/.made
-	@UV=$(abspath $(UV)) $(PY) -m infra.ci.pins
+	@$(MAKE) --no-print-directory .pinned-lowest-direct OF=3.10
+	@$(MAKE) --no-print-directory .pinned-highest OF=3.13
+
+.pinned-%:
+	@$(UV) venv --quiet --clear --python $(OF) .build/pins/$*
+	@$(UV) pip install --quiet --python .build/pins/$* --resolution $* './layers/solver[opencv]' './clients/python[opencv]'
+	@$(UV) pip install --quiet --python .build/pins/$* pytest pytest-xdist hypothesis pyyaml
+	@.build/pins/$*/bin/python -c "import sys, numpy, cv2; print('$*:', sys.version.split()[0], numpy.__version__, cv2.__version__)"
+	@PYTHONPATH=. .build/pins/$*/bin/python -m pytest -q --confcutdir=tests/unit -m "not thorough and not external_data" $(PINNED)
 
 # The SDK's package in the builds of Vite and webpack
 .verify-bundlers: web/vendor/api.d.ts

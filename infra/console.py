@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import typer
 from rich.console import Console
@@ -76,19 +76,6 @@ def confirm(question: str, *, yes: bool) -> None:
         typer.confirm(question, abort=True, err=True)
 
 
-class Track(Protocol):
-    """Function that shows how far a loop has come."""
-
-    def __call__(self, items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
-        """Yield the items; `what` names the work."""
-
-
-def pass_through(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
-    """Yield the items and show nothing."""
-    del what, total
-    yield from items
-
-
 def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
     """Yield the items; a bar on standard error shows how many are done and the time left."""
     if not sys.stderr.isatty():
@@ -124,17 +111,18 @@ def announce(
     """Yield the steps, each after a line with its number, its text, and the time left.
 
     Steps print text themselves (compilers, the SAM CLI), which would tear a bar apart. The time left is that
-    of the previous run of the same steps, kept in `.build/durations.json` under the name `work`.
+    of the previous run of the same steps of `work`, kept in `.build/durations.json`.
     """
-    previous = _read_durations(path).get(work, {})
+    previous = _read_durations(path)
     texts = [text(step) for step in steps]
     for number, step in enumerate(steps):
-        expected = [previous.get(each) for each in texts[number:]]
+        expected = [previous.get(f"{work}: {each}") for each in texts[number:]]
         say(f"{number + 1}/{len(texts)} {texts[number]}{_describe_time_left(expected)}")
         begun = clock()
         yield step
-        previous[texts[number]] = round(clock() - begun, 1)
-        _write_durations(path, work, {each: previous[each] for each in texts if each in previous})
+        took = {f"{work}: {texts[number]}": round(clock() - begun, 1)}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({**_read_durations(path), **took}, indent=1), encoding="utf-8")
 
 
 def format_duration(seconds: float) -> str:
@@ -154,18 +142,9 @@ def _describe_time_left(expected: Sequence[float | None]) -> str:
     )
 
 
-def _read_durations(path: Path) -> dict[str, dict[str, float]]:
+def _read_durations(path: Path) -> dict[str, float]:
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        record = dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
         return {}
-    return {
-        work: {text: seconds for text, seconds in steps.items() if isinstance(seconds, int | float)}
-        for work, steps in (record.items() if isinstance(record, dict) else ())
-        if isinstance(steps, dict)
-    }
-
-
-def _write_durations(path: Path, work: str, durations: dict[str, float]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({**_read_durations(path), work: durations}, indent=1), encoding="utf-8")
+    return {name: seconds for name, seconds in record.items() if isinstance(seconds, int | float)}

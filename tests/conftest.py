@@ -21,7 +21,7 @@ LONGEST = (
     *("test_all_pages", "test_virtual_camera", "test_result", "test_interruptions", "test_controls"),
     *("test_pages", "test_board", "test_ar", "test_rig", "test_developers"),
     *("test_import", "test_guidance", "test_hostile", "test_boards_in_pictures", "test_live_capture"),
-    *("test_agreement", "test_documents", "test_server_wheel", "test_durability", "test_iam"),
+    *("test_location", "test_documents", "test_server_wheel", "test_durability", "test_iam"),
 )
 
 #: allocations between two searches for garbage. Storage in memory makes so many objects that Python's own 700

@@ -6,7 +6,6 @@ from concurrent.futures import ThreadPoolExecutor
 from starlette.responses import Response
 
 from calibdb.camera_key import PATTERN
-from calibdb.camera_key.usb_vendors import vendor_of
 from calibdb.camera_key.virtual import is_practice
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
@@ -69,16 +68,12 @@ def show(call: Call) -> Response:
     if name is None:
         raise NotFoundError("The database has no camera with this key.")
     consensuses = store.known(key).consensuses
-    camera, platform = camera_search.display_name(name, consensuses)
     shown = camera_search.best_modes(consensuses, _MAX_MODES)
     least = call.service.settings.thresholds.min_calibrations
     mode_of = functools.partial(camera_search.camera_mode, call.store, least)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: mode_of(StreamMode(key, *found[0]), found[1]), shown))
-    usb_id = camera_search.usb_id(consensuses)
-    detail = CameraDetail(
-        key=key, camera=camera, platform=platform, usb_id=usb_id, vendor=vendor_of(usb_id), modes=modes
-    )
+    detail = CameraDetail(**dict(camera_search.named_camera(key, name, consensuses)), modes=modes)
     return json_response(detail, headers=_PRIVATE_CACHE)
 
 

@@ -1,7 +1,6 @@
 """Dump: continues the public dump that is due. A schedule invokes it every hour of one day of the week."""
 
 import os
-import secrets
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -33,7 +32,6 @@ def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
         dumps=dumps,
         figures=Figures(dumps, Cameras(table), MissCounts(table), calibrations, least),
         now=lambda: int(time.time()),
-        random_hex=secrets.token_hex,
         seconds_left=lambda: context.get_remaining_time_in_millis() / 1000,
     ).run()
     return {"name": dump.name if dump else None}

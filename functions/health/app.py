@@ -5,7 +5,6 @@ Callers need no credential, so results are cached.
 
 import functools
 import time
-from collections.abc import Callable
 from urllib.parse import urljoin
 
 from starlette.responses import Response
@@ -31,35 +30,36 @@ class Checks:
         self._settings = settings
         self.canary: CanaryRun | None = None
         storage = (
-            Part("table", _TABLE_LIMIT_S, self._prepare_table),
-            Part("bucket", _BUCKET_LIMIT_S, self._prepare_bucket),
-            Part("edge", _EDGE_LIMIT_S, self._prepare_edge),
+            Part("table", _TABLE_LIMIT_S, self._read_table),
+            Part("bucket", _BUCKET_LIMIT_S, self._read_bucket),
+            Part("edge", _EDGE_LIMIT_S, self._read_config),
         )
-        self.parts = PartChecks((storage, (Part("solver", _SOLVER_LIMIT_S, _prepare_solver),)))
+        solver = Part("solver", _SOLVER_LIMIT_S, _solve, prepare=_import_solver)
+        self.parts = PartChecks((storage, (solver,)))
 
-    def _prepare_table(self) -> Callable[[], None]:
+    def _read_table(self) -> None:
         self.canary = None
+        self.canary = last_canary_run(storage_of(self._settings).table, int(time.time()))
 
-        def read() -> None:
-            self.canary = last_canary_run(storage_of(self._settings).table, int(time.time()))
-
-        return read
-
-    def _prepare_bucket(self) -> Callable[[], object]:
+    def _read_bucket(self) -> None:
         # A bucket that works reports that there is no such object.
-        return lambda: storage_of(self._settings).objects.get("health/none")
+        storage_of(self._settings).objects.get("health/none")
 
-    def _prepare_edge(self) -> Callable[[], None]:
+    def _read_config(self) -> None:
         address = urljoin(self._settings.guidance_url, "/config.json")
         if not address.startswith(("https://", "http://")):
             raise ValueError("the site has no address")
-        return functools.partial(read_config, address, _EDGE_LIMIT_S)
+        read_config(address, _EDGE_LIMIT_S)
 
 
-def _prepare_solver() -> Callable[[], None]:
+def _import_solver() -> None:
+    import calibdb.compute.solver_check  # noqa: F401
+
+
+def _solve() -> None:
     from calibdb.compute.solver_check import solve
 
-    return solve
+    solve()
 
 
 _checks_of = functools.lru_cache(maxsize=4)(Checks)

@@ -12,7 +12,7 @@ from calibdb.errors import NotFoundError
 from calibdb.http import application, metrics
 from calibdb.http.application import Call, json_response, route, tagged_response
 from calibdb.lookup import reports
-from calibdb.lookup.camera_match import LookupQuery, LookupResult, find, find_by_digest
+from calibdb.lookup.camera_match import LookupResult, find, find_by_digest
 from calibdb.lookup.estimation import estimate_for
 from calibdb.rules.session_rules import require_corners
 from calibdb.schema.documents import ConsensusDocument
@@ -73,7 +73,7 @@ def _find(call: Call, request: LookupRequest) -> LookupResult:
         call.require_thread()
         return store.refit.consensus(StreamMode(key, size, request.zoom), request.distortion_model)
 
-    found = find(read, LookupQuery.of(request), private=least == 1, compute=compute)
+    found = find(read, request, private=least == 1, compute=compute)
     report = None
     if found.answer is None:
         report = reports.miss_report(service.misses, request, read, found, service.clock(), least)
@@ -95,9 +95,9 @@ def _group(call: Call, request: LookupRequest, found: LookupResult) -> FittingGr
 
 def known(call: Call) -> Response:
     """Answer a lookup by the digest of label and platform."""
-    wanted = LookupQuery.of_path(call.path("size"), call.path("zoom"), call.path("file"))
+    address = "/".join(call.path(name) for name in ("size", "zoom", "file"))
     private = call.service.settings.thresholds.min_contributors == 1
-    found = find_by_digest(call.store, call.path("digest"), wanted, private=private)
+    found = find_by_digest(call.store, call.path("digest"), address, private=private)
     if found is None:
         return json_response(UnknownCamera(reason="unknown_camera"), 404, _UNKNOWN)
     metrics.count(Lookups=1)

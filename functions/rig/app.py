@@ -3,6 +3,8 @@
 Everything after the end of a rig follows from its document and is idempotent.
 """
 
+import secrets
+
 from starlette.responses import Response
 
 from calibdb.compute import exports, rig_course
@@ -20,7 +22,7 @@ def create(call: Call) -> Response:
     ticket, service = call.session(charge="poses"), call.service
     request = call.json(RigRequest)
     lead = running_rigs.Lead(ticket.sid, *call.contributor(ticket))
-    code, secret = rig_rules.code_of(service.random_hex(8)), service.settings.contributor_secret
+    code, secret = rig_rules.code_of(secrets.token_hex(8)), service.settings.contributor_secret
     opened = running_rigs.create(service.store, lead, request, code, secret, service.now)
     return json_response(opened, 201)
 
@@ -42,33 +44,31 @@ def show(call: Call) -> Response:
         return Response(status_code=304, headers={"ETag": tag})
     if by_session:
         call.session(charge="poses")
-    return _state_response(call, rig_id)
+    return _state_response(call)
 
 
 def open_moment(call: Call) -> Response:
     """Open a moment."""
     sid = call.session(charge="poses").sid
-    moment, rig_id = call.json(MomentRequest).moment, call.path("id")
-    running_rigs.open_moment(call.store, rig_id, sid, moment, call.now)
-    return _state_response(call, rig_id, 201)
+    moment = call.json(MomentRequest).moment
+    running_rigs.open_moment(call.store, call.path("id"), sid, moment, call.now)
+    return _state_response(call, 201)
 
 
 def undo_moment(call: Call) -> Response:
     """Undo a moment in all cameras."""
     sid = call.session(charge="views").sid
-    rig_id = call.path("id")
-    rig_course.undo_moment(call.with_time_for_a_rig(), rig_id, sid, call.path("moment"))
-    return _state_response(call, rig_id)
+    rig_course.undo_moment(call.with_time_for_a_rig(), call.path("id"), sid, call.path("moment"))
+    return _state_response(call)
 
 
 def finish(call: Call) -> Response:
     """End the rig with the moments that agree."""
     sid = call.session(charge="views").sid
-    rig_id = call.path("id")
-    ended = rig_course.finish(call.with_time_for_a_rig(), rig_id, sid)
+    ended = rig_course.finish(call.with_time_for_a_rig(), call.path("id"), sid)
     if ended:
         metrics.count(Calibrations=ended)
-    return _state_response(call, rig_id)
+    return _state_response(call)
 
 
 def forget(call: Call) -> Response:
@@ -95,8 +95,8 @@ def result(call: Call) -> Response:
     return exports.file_response(file, with_coverage=False)
 
 
-def _state_response(call: Call, rig_id: str, status: int = 200) -> Response:
-    state, tag = rig_course.state_of(call.with_time_for_a_rig(), rig_id)
+def _state_response(call: Call, status: int = 200) -> Response:
+    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.path("id"))
     return json_response(state, status, {"ETag": tag})
 
 

@@ -3,6 +3,8 @@
 No response reveals whether an origin has other tokens.
 """
 
+import secrets
+
 from starlette.responses import Response
 
 from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS
@@ -28,7 +30,7 @@ def create(call: Call) -> Response:
     call.require_json_of_the_site()
     request, service = call.json(TokenRequest), call.service
     sender, limit = service.source(call.address), service.settings.max_new_tokens
-    made = managed_tokens.create(service.store, request, sender, service.now, limit, service.random_hex)
+    made = managed_tokens.create(service.store, request, sender, service.now, limit)
     shown = facts(made.token, service.plan_of(made.token), service.now)
     return json_response(made.answer(shown), 201)
 
@@ -59,7 +61,7 @@ def rotate(call: Call) -> Response:
     """Give the token another secret."""
     token, service = _living(call), call.service
     request = call.json(RotationRequest) if call.body else RotationRequest()
-    secret = service.random_hex(managed_tokens.SECRET_BYTES)
+    secret = secrets.token_hex(managed_tokens.SECRET_BYTES)
     rotated = managed_tokens.rotate(service.store, token, secret, service.now, request.grace_s)
     answer = TokenRotated(
         id=token.id, token=f"cdb_{token.id}_{secret}", former_until=rotated.former_until or None

@@ -3,8 +3,6 @@
 A service of pip-audit or npm that does not respond here is reported, and does not fail the audit.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -13,9 +11,8 @@ import tempfile
 import urllib.request
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 PIP_AUDIT = "pip-audit==2.10.1"
@@ -27,36 +24,31 @@ _PROBE_TIMEOUT_S = 10.0  # does the service answer at all?
 _PIN = re.compile(r"(?m)^([A-Za-z0-9][\w.-]*==[^\s;\\]+)")
 
 
-@dataclass(frozen=True)
-class Audit:
+class Audit(NamedTuple):
     """Findings of one tool: the number of packages that it could judge, and the vulnerabilities."""
 
     judged: int
     vulnerable: tuple[str, ...] = ()
 
-    @classmethod
-    def of_pip(cls, answer: Any) -> Audit:
-        """Read pip-audit's JSON; what it could not judge has a `skip_reason` instead of `vulns`."""
-        judged = [package for package in answer["dependencies"] if "vulns" in package]
-        return cls(
-            len(judged),
-            tuple(
-                f"{package['name']} {package['version']}: {vulnerability['id']}"
-                for package in judged
-                for vulnerability in package["vulns"]
-            ),
-        )
 
-    @classmethod
-    def of_npm(cls, answer: Any) -> Audit:
-        """Read npm's JSON, which lacks `metadata` if the registry did not respond."""
-        if "metadata" not in answer:
-            return cls(0)
-        vulnerabilities = answer.get("vulnerabilities", {}).values()
-        severe = (
-            f"{v['name']}: {v['severity']}" for v in vulnerabilities if v["severity"] in ("high", "critical")
-        )
-        return cls(answer["metadata"]["dependencies"]["total"], tuple(severe))
+def of_pip(answer: Any) -> Audit:
+    """Read pip-audit's JSON; what it could not judge has a `skip_reason` instead of `vulns`."""
+    judged = [package for package in answer["dependencies"] if "vulns" in package]
+    vulnerable = (
+        f"{package['name']} {package['version']}: {vulnerability['id']}"
+        for package in judged
+        for vulnerability in package["vulns"]
+    )
+    return Audit(len(judged), tuple(vulnerable))
+
+
+def of_npm(answer: Any) -> Audit:
+    """Read npm's JSON, which lacks `metadata` if the registry did not respond."""
+    if "metadata" not in answer:
+        return Audit(0)
+    found = answer.get("vulnerabilities", {}).values()
+    severe = (f"{v['name']}: {v['severity']}" for v in found if v["severity"] in ("high", "critical"))
+    return Audit(answer["metadata"]["dependencies"]["total"], tuple(severe))
 
 
 def pins(*locks: Path) -> list[str]:
@@ -79,7 +71,7 @@ def python(packages: list[str], asked: str = ASKED) -> Audit:
         requirements.write("\n".join(packages))
         requirements.flush()
         command = [str(pip_audit), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
-        return Audit.of_pip(_answer([*command, "--timeout", "5", "-r", requirements.name]))
+        return of_pip(_answer([*command, "--timeout", "5", "-r", requirements.name]))
 
 
 def _run(command: list[str]) -> str:
@@ -105,7 +97,7 @@ def report(name: str, audit: Audit) -> str:
 
 TOOLS: dict[str, Callable[[], Audit]] = {
     "Python": lambda: python(pins(*(ROOT / lock for lock in LOCKS))),
-    "npm": lambda: Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"])),
+    "npm": lambda: of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"])),
 }
 
 

@@ -1,8 +1,12 @@
-"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface."""
+"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface.
+
+`python -m infra.ci.ministack COMMAND` runs a command with the server's address in CONFORMANCE_ENDPOINT.
+"""
 
 import os
 import socket
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -38,3 +42,9 @@ def _answers(port: int, server: subprocess.Popen[bytes]) -> None:
                 return
         time.sleep(0.1)
     raise RuntimeError("ministack does not answer")
+
+
+if __name__ == "__main__":
+    with serving() as endpoint:
+        elsewhere = {**os.environ, "CONFORMANCE_ENDPOINT": endpoint}
+        sys.exit(subprocess.run(sys.argv[1:], env=elsewhere, check=False).returncode)

@@ -62,13 +62,10 @@ def document_problems(path: str, text: str) -> list[str]:
 
 def docstrings(tree: ast.Module) -> Iterator[str]:
     """Yield the docstrings of a module and of its public classes, functions and methods."""
-    nodes: list[ast.AST] = [tree]
-    while nodes:
-        node = nodes.pop()
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    for node in ast.walk(tree):
+        if isinstance(node, documented) and not getattr(node, "name", "").startswith("_"):
             yield ast.get_docstring(node) or ""
-        if isinstance(node, (ast.Module, ast.ClassDef)):
-            nodes += [each for each in node.body if not getattr(each, "name", "").startswith("_")]
 
 
 def opening_problems(path: str, text: str) -> list[str]:

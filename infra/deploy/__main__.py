@@ -9,13 +9,12 @@ import shlex
 import sys
 from collections.abc import Sequence
 
-import boto3
 from botocore.exceptions import BotoCoreError, ClientError
 
 from calibdb.access.plans import multiplied
 from calibdb.settings import Thresholds, parse_plan_factors
-from infra.deploy import aws
 from infra.deploy.aws import DeployError
+from infra.deploy.cutoff import switch
 from infra.deploy.deployment import deploy
 from infra.deploy.package import ROOT
 from infra.deploy.site import uploads
@@ -66,11 +65,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         elif options.stop or options.resume:
             _switch(target, enabled=options.resume)
         elif options.rotate:
-            aws.rotate(boto3.client("ssm", target.region), target.stack)
+            target.account.rotate()
         elif options.rotate_edge:
-            version = aws.rotate_edge(boto3.client("ssm", target.region), target.stack)
-            cloudformation = boto3.client("cloudformation", target.region)
-            aws.set_parameter(cloudformation, target.stack, "EdgeSecretVersion", str(version))
+            target.account.set_parameter("EdgeSecretVersion", str(target.account.rotate_edge()))
         else:
             if not options.dirty:
                 check_clean()
@@ -85,10 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _go_back(target: Target) -> None:
-    region = target.region
-    moved = aws.step_back(
-        boto3.client("cloudformation", region), boto3.client("lambda", region), target.stack
-    )
+    moved = target.account.step_back()
     if not moved:
         raise DeployError("no function has an earlier version")
     for function, (current, earlier) in moved.items():
@@ -100,11 +94,12 @@ def _go_back(target: Target) -> None:
 
 
 def _switch(target: Target, *, enabled: bool) -> None:
-    made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
+    account = target.account
+    made = account.outputs()
     if "DistributionId" not in made:
         raise DeployError(f"there is no stack {target.stack} with a distribution")
     state = "enabled" if enabled else "disabled"
-    changed = aws.switch(boto3.client("cloudfront"), made["DistributionId"], enabled=enabled)
+    changed = switch(account.client("cloudfront"), made["DistributionId"], enabled=enabled)
     print(f"The distribution is {'being ' if changed else ''}{state}{'' if changed else ' already'}.")
     if not enabled:
         print(f"{made['ApiUrl']} still responds: deploy with RequestRate=1 to stop it too.")

@@ -4,11 +4,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-import boto3
 from botocore.exceptions import ClientError
 
 from calibdb.store.aws import code
-from infra.deploy import aws
+from infra.deploy.aws import UNCREATED, Account
 from infra.deploy.package import ROOT
 from infra.deploy.steps import Target
 from infra.deploy.template import parse
@@ -49,31 +48,20 @@ _CAUSES = (
 )
 
 
-def clients(region: str) -> dict[str, Any]:
-    """Make the clients of the operator's own account, by service."""
-    make: Any = boto3.client
-    regions = dict.fromkeys(("cloudformation", "lambda", "cloudfront", "route53"), region)
-    # CloudFront takes certificates of us-east-1.
-    return {service: make(service, place) for service, place in (regions | {"acm": "us-east-1"}).items()}
-
-
-def problems(target: Target, clients: Mapping[str, Any]) -> Iterator[str]:
+def problems(target: Target, account: Account) -> Iterator[str]:
     """Find what would make the deployment fail."""
-    stack = aws.describe(clients["cloudformation"], target.stack)
-    parameters = dict(stack.parameters) if stack else {}
+    stack = account.describe()
     declared = parse(ROOT / "template.yaml")["Parameters"]
-    values = (
-        {n: str(p.get("Default", "")) for n, p in declared.items()} | parameters | dict(target.parameters)
-    )
-    if stack is not None:
-        yield from _status(target.stack, stack.status)
-    yield from _concurrency(clients["lambda"], values, parameters)
+    defaults = {name: str(parameter.get("Default", "")) for name, parameter in declared.items()}
+    values = {**defaults, **stack.parameters, **target.parameters}
+    yield from _status(target.stack, stack.status)
+    yield from _concurrency(account.client("lambda"), values, stack.parameters)
     if not target.exists:
-        yield from _verification(clients["cloudfront"])
+        yield from _verification(account.client("cloudfront"))
     if values["DomainName"]:
-        yield from _certificate(clients["acm"], values["DomainName"], values["CertificateArn"])
+        yield from _certificate(account.client("acm"), values["DomainName"], values["CertificateArn"])
     if values["HostedZoneId"]:
-        yield from _zone(clients["route53"], values["DomainName"], values["HostedZoneId"])
+        yield from _zone(account.client("route53"), values["DomainName"], values["HostedZoneId"])
 
 
 def explain(reasons: Iterable[str]) -> list[str]:
@@ -96,7 +84,7 @@ def _status(name: str, status: str) -> Iterator[str]:
             f"The stack {name} is {status}: run `aws cloudformation continue-update-rollback "
             f"--stack-name {name}`, and then `make deploy` again."
         )
-    elif status.endswith("_IN_PROGRESS") and status not in aws.UNCREATED:
+    elif status.endswith("_IN_PROGRESS") and status not in UNCREATED:
         yield f"The stack {name} is {status}: wait until that has ended, and run `make deploy` again."
 
 

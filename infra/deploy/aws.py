@@ -2,10 +2,12 @@
 
 import json
 import secrets
+import time
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+import boto3
 from botocore.exceptions import BotoCoreError, ClientError
 
 from infra.deploy.site import Upload
@@ -16,7 +18,7 @@ SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
 _INLINE = ("Probe", "CutoffFunction")  # their code stands in the template: they belong to no release
 FUNCTION, ALIAS = "AWS::Lambda::Function", "AWS::Lambda::Alias"
-UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
+UNCREATED = ("", "REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
 
 
 class DeployError(RuntimeError):
@@ -32,190 +34,198 @@ class Stack:
     outputs: Mapping[str, str]
 
 
-def describe(cloudformation: Any, stack: str) -> Stack | None:
-    """Read the stack, None if there is none."""
-    try:
-        (description,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
-    except ClientError as error:
-        if error.response["Error"]["Code"] == "ValidationError":
-            return None
-        raise
-    return Stack(
-        description["StackStatus"],
-        {p["ParameterKey"]: p["ParameterValue"] for p in description.get("Parameters", ())},
-        {o["OutputKey"]: o["OutputValue"] for o in description.get("Outputs", ())},
-    )
+@dataclass(frozen=True)
+class Account:
+    """The account in which a stack is or will be: the calls of a deployment for the stack."""
 
+    stack: str
+    region: str
+    clients: dict[str, Any] = field(default_factory=dict)  # by service, made when they are needed
 
-def make_secrets(ssm: Any, stack: str) -> list[str]:
-    """Make the missing secrets, without replacing any; return their names."""
-    response = ssm.get_parameters(Names=[f"/calibdb/{stack}/{name}" for name in SECRETS])
-    there = {p["Name"].rpartition("/")[2] for p in response["Parameters"]}
-    missing = [name for name in SECRETS if name not in there]
-    for name in missing:
-        if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
-            keys = _read(ssm, stack, "EDGE_SECRETS")[:1]
-        elif name == "EDGE_SECRETS" and _READ_BY_CLOUDFORMATION not in missing:  # CloudFront sends it
-            keys = [*_read(ssm, stack, _READ_BY_CLOUDFORMATION), secrets.token_hex(32)]
-        else:
-            keys = [secrets.token_hex(32) for _ in range(1 if name == "CONTRIBUTOR_SECRET" else 2)]
-        _write(ssm, stack, name, keys, overwrite=False)
-    return missing
+    def client(self, service: str) -> Any:
+        """Return the client of a service of AWS."""
+        if service not in self.clients:
+            make: Any = boto3.client  # whose types know only literal names
+            # CloudFront takes certificates of us-east-1.
+            self.clients[service] = make(service, "us-east-1" if service == "acm" else self.region)
+        return self.clients[service]
 
+    @property
+    def _cloudformation(self) -> Any:
+        return self.client("cloudformation")
 
-def rotate(ssm: Any, stack: str, name: str = "SESSION_SECRETS") -> list[str]:
-    """Let the next key sign, keep the previous one, add a new next one; return the keys.
-
-    Every function knows the next key before it signs, so none refuses what another has signed while they
-    learn of the rotation, within five minutes.
-    """
-    keys = rotate_keys(_read(ssm, stack, name), secrets.token_hex(32))
-    _write(ssm, stack, name, keys, overwrite=True)
-    return keys
-
-
-def rotate_edge(ssm: Any, stack: str) -> int:
-    """Rotate the secrets of the edge alike; return the version of EDGE_SECRET that CloudFront is to send.
-
-    CloudFront reads it only when its distribution changes. Until then functions accept the previous one.
-    """
-    _write(ssm, stack, _READ_BY_CLOUDFORMATION, rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
-    return edge_secret_version(ssm, stack)
-
-
-def edge_secret_version(ssm: Any, stack: str) -> int:
-    """Read the version of EDGE_SECRET."""
-    response = ssm.get_parameter(Name=f"/calibdb/{stack}/{_READ_BY_CLOUDFORMATION}")
-    return int(response["Parameter"]["Version"])
-
-
-def set_parameter(cloudformation: Any, stack: str, name: str, value: str) -> None:
-    """Change one parameter of the stack and wait until that is done."""
-    described = describe(cloudformation, stack)
-    parameters = described.parameters if described else {}
-    cloudformation.update_stack(
-        StackName=stack,
-        UsePreviousTemplate=True,
-        Capabilities=["CAPABILITY_IAM", "CAPABILITY_AUTO_EXPAND"],
-        Parameters=[
-            {"ParameterKey": key, "ParameterValue": value}
-            if key == name
-            else {"ParameterKey": key, "UsePreviousValue": True}
-            for key in parameters
-        ],
-    )
-    cloudformation.get_waiter("stack_update_complete").wait(StackName=stack)
-
-
-def _read(ssm: Any, stack: str, name: str) -> list[str]:
-    response = ssm.get_parameter(Name=f"/calibdb/{stack}/{name}", WithDecryption=True)
-    value: str = response["Parameter"]["Value"]
-    return value.split(",")
-
-
-def _write(ssm: Any, stack: str, name: str, keys: list[str], *, overwrite: bool) -> None:
-    ssm.put_parameter(
-        Name=f"/calibdb/{stack}/{name}",
-        Value=",".join(keys),
-        Type="String" if name == _READ_BY_CLOUDFORMATION else "SecureString",
-        Overwrite=overwrite,
-    )
-
-
-def rotate_keys(keys: list[str], new: str) -> list[str]:
-    """Rotate `current, next, before` to `next, new, current`."""
-    current, *following = keys[:2]
-    return [*following, new, current] if following else [current, new]
-
-
-def outputs(cloudformation: Any, stack: str) -> Mapping[str, str]:
-    """Read the stack's outputs by name."""
-    description = describe(cloudformation, stack)
-    return description.outputs if description else {}
-
-
-def physical_id(cloudformation: Any, stack: str, name: str) -> str:
-    """Read the name that AWS gave a resource of the stack."""
-    response = cloudformation.describe_stack_resource(StackName=stack, LogicalResourceId=name)
-    return str(response["StackResourceDetail"]["PhysicalResourceId"])
-
-
-def resources(cloudformation: Any, stack: str, kind: str | None = None) -> list[Mapping[str, str]]:
-    """Read the resources of the stack, of one type or of all."""
-    pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
-    every = [resource for page in pages for resource in page["StackResourceSummaries"]]
-    return [resource for resource in every if kind in (None, resource["ResourceType"])]
-
-
-def versions(lambda_: Any, function: str) -> list[int]:
-    """Read the numbers of a function's published versions."""
-    pages = lambda_.get_paginator("list_versions_by_function").paginate(FunctionName=function)
-    numbers = [version["Version"] for page in pages for version in page["Versions"]]
-    return [int(number) for number in numbers if number.isdecimal()]
-
-
-def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
-    """Read the release of each function: at its alias `live` if it has one, else as it is invoked."""
-    aliases = resources(cloudformation, stack, ALIAS)
-    aliased = {alias["PhysicalResourceId"].split(":")[-2] for alias in aliases}
-    result = {}
-    for function in resources(cloudformation, stack, FUNCTION):
-        if function["LogicalResourceId"] in _INLINE:
-            continue
-        name = function["PhysicalResourceId"]
-        qualifier = {"Qualifier": "live"} if name in aliased else {}
-        configuration = lambda_.get_function_configuration(FunctionName=name, **qualifier)
-        result[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
-    return result
-
-
-def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[str, str]]:
-    """Point each alias of the stack at the version before its own; return both versions by function.
-
-    A function without an earlier version stays. Run again, it goes back one more version.
-    """
-    moved = {}
-    for arn in sorted(alias["PhysicalResourceId"] for alias in resources(cloudformation, stack, ALIAS)):
-        function, name = arn.split(":")[-2:]
-        current = int(lambda_.get_alias(FunctionName=function, Name=name)["FunctionVersion"])
-        earlier = max((n for n in versions(lambda_, function) if n < current), default=None)
-        if earlier is None:
-            continue
-        lambda_.update_alias(
-            FunctionName=function,
-            Name=name,
-            FunctionVersion=str(earlier),
-            RoutingConfig={"AdditionalVersionWeights": {}},
+    def describe(self) -> Stack:
+        """Read the stack; without status, parameters and outputs if there is none."""
+        try:
+            (description,) = self._cloudformation.describe_stacks(StackName=self.stack)["Stacks"]
+        except ClientError as error:
+            if error.response["Error"]["Code"] == "ValidationError":
+                return Stack("", {}, {})
+            raise
+        return Stack(
+            description["StackStatus"],
+            {p["ParameterKey"]: p["ParameterValue"] for p in description.get("Parameters", ())},
+            {o["OutputKey"]: o["OutputValue"] for o in description.get("Outputs", ())},
         )
-        moved[function] = str(current), str(earlier)
-    return moved
 
+    def make_secrets(self) -> list[str]:
+        """Make the missing secrets, without replacing any; return their names."""
+        response = self.client("ssm").get_parameters(
+            Names=[f"/calibdb/{self.stack}/{name}" for name in SECRETS]
+        )
+        there = {p["Name"].rpartition("/")[2] for p in response["Parameters"]}
+        missing = [name for name in SECRETS if name not in there]
+        for name in missing:
+            if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
+                keys = self._read("EDGE_SECRETS")[:1]
+            elif name == "EDGE_SECRETS" and _READ_BY_CLOUDFORMATION not in missing:  # CloudFront sends it
+                keys = [*self._read(_READ_BY_CLOUDFORMATION), secrets.token_hex(32)]
+            else:
+                keys = [secrets.token_hex(32) for _ in range(1 if name == "CONTRIBUTOR_SECRET" else 2)]
+            self._write(name, keys, overwrite=False)
+        return missing
 
-def failures(cloudformation: Any, stack: str) -> list[str]:
-    """Read why resources of the newest stack of this name failed, also of one that was deleted since."""
-    try:
-        pages = cloudformation.get_paginator("list_stacks").paginate()
-        named = [s for page in pages for s in page["StackSummaries"] if s["StackName"] == stack]
-        newest = max(named, key=lambda s: s["CreationTime"])
-        events = cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"]
-    except (ClientError, BotoCoreError, ValueError):
-        return []  # the command itself said more
-    return [
-        f"{e['LogicalResourceId']}: {e.get('ResourceStatusReason', '')}"
-        for e in events
-        if e["ResourceStatus"].endswith("_FAILED")
-    ]
+    def rotate(self, name: str = "SESSION_SECRETS") -> list[str]:
+        """Make of the keys `current, next, before` the keys `next, new, current`; return them.
 
+        Every function knows the next key before it signs, so none refuses what another has signed while they
+        learn of the rotation, within five minutes.
+        """
+        current, *following = self._read(name)[:2]
+        new = secrets.token_hex(32)
+        keys = [*following, new, current] if following else [current, new]
+        self._write(name, keys, overwrite=True)
+        return keys
 
-def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
-    """Protect stack and table from deletion.
+    def rotate_edge(self) -> int:
+        """Rotate the secrets of the edge alike; return the version of EDGE_SECRET that CloudFront is to send.
 
-    Not in the template: a creation that fails must be able to delete them.
-    """
-    cloudformation.update_termination_protection(StackName=stack, EnableTerminationProtection=True)
-    table = outputs(cloudformation, stack)["TableName"]
-    if not dynamodb.describe_table(TableName=table)["Table"].get("DeletionProtectionEnabled"):
-        dynamodb.update_table(TableName=table, DeletionProtectionEnabled=True)
+        CloudFront reads it only when its distribution changes. Until then functions accept the previous one.
+        """
+        self._write(_READ_BY_CLOUDFORMATION, self.rotate("EDGE_SECRETS")[:1], overwrite=True)
+        return self.edge_secret_version()
+
+    def edge_secret_version(self) -> int:
+        """Read the version of EDGE_SECRET."""
+        response = self.client("ssm").get_parameter(Name=f"/calibdb/{self.stack}/{_READ_BY_CLOUDFORMATION}")
+        return int(response["Parameter"]["Version"])
+
+    def set_parameter(self, name: str, value: str) -> None:
+        """Change one parameter of the stack and wait until that is done."""
+        self._cloudformation.update_stack(
+            StackName=self.stack,
+            UsePreviousTemplate=True,
+            Capabilities=["CAPABILITY_IAM", "CAPABILITY_AUTO_EXPAND"],
+            Parameters=[
+                {"ParameterKey": key, "ParameterValue": value}
+                if key == name
+                else {"ParameterKey": key, "UsePreviousValue": True}
+                for key in self.describe().parameters
+            ],
+        )
+        self._cloudformation.get_waiter("stack_update_complete").wait(StackName=self.stack)
+
+    def _read(self, name: str) -> list[str]:
+        response = self.client("ssm").get_parameter(Name=f"/calibdb/{self.stack}/{name}", WithDecryption=True)
+        value: str = response["Parameter"]["Value"]
+        return value.split(",")
+
+    def _write(self, name: str, keys: list[str], *, overwrite: bool) -> None:
+        self.client("ssm").put_parameter(
+            Name=f"/calibdb/{self.stack}/{name}",
+            Value=",".join(keys),
+            Type="String" if name == _READ_BY_CLOUDFORMATION else "SecureString",
+            Overwrite=overwrite,
+        )
+
+    def outputs(self) -> Mapping[str, str]:
+        """Read the stack's outputs by name."""
+        return self.describe().outputs
+
+    def resources(self, kind: str | None = None) -> list[Mapping[str, str]]:
+        """Read the resources of the stack, of one type or of all."""
+        pages = self._cloudformation.get_paginator("list_stack_resources").paginate(StackName=self.stack)
+        every = [resource for page in pages for resource in page["StackResourceSummaries"]]
+        return [resource for resource in every if kind in (None, resource["ResourceType"])]
+
+    def versions(self, function: str) -> list[int]:
+        """Read the numbers of a function's published versions."""
+        paginator = self.client("lambda").get_paginator("list_versions_by_function")
+        pages = paginator.paginate(FunctionName=function)
+        numbers = [version["Version"] for page in pages for version in page["Versions"]]
+        return [int(number) for number in numbers if number.isdecimal()]
+
+    def releases(self) -> dict[str, str]:
+        """Read the release of each function: at its alias `live` if it has one, else as it is invoked."""
+        aliases, lambda_ = self.resources(ALIAS), self.client("lambda")
+        aliased = {alias["PhysicalResourceId"].split(":")[-2] for alias in aliases}
+        result = {}
+        for function in self.resources(FUNCTION):
+            if function["LogicalResourceId"] in _INLINE:
+                continue
+            name = function["PhysicalResourceId"]
+            qualifier = {"Qualifier": "live"} if name in aliased else {}
+            configuration = lambda_.get_function_configuration(FunctionName=name, **qualifier)
+            result[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
+        return result
+
+    def step_back(self) -> dict[str, tuple[str, str]]:
+        """Point each alias of the stack at the version before its own; return both versions by function.
+
+        A function without an earlier version stays. Run again, it goes back one more version.
+        """
+        moved, lambda_ = {}, self.client("lambda")
+        for arn in sorted(alias["PhysicalResourceId"] for alias in self.resources(ALIAS)):
+            function, name = arn.split(":")[-2:]
+            current = int(lambda_.get_alias(FunctionName=function, Name=name)["FunctionVersion"])
+            earlier = max((n for n in self.versions(function) if n < current), default=None)
+            if earlier is None:
+                continue
+            lambda_.update_alias(
+                FunctionName=function,
+                Name=name,
+                FunctionVersion=str(earlier),
+                RoutingConfig={"AdditionalVersionWeights": {}},
+            )
+            moved[function] = str(current), str(earlier)
+        return moved
+
+    def failures(self) -> list[str]:
+        """Read why resources of the newest stack of this name failed, also of one that was deleted since."""
+        try:
+            pages = self._cloudformation.get_paginator("list_stacks").paginate()
+            named = [s for page in pages for s in page["StackSummaries"] if s["StackName"] == self.stack]
+            newest = max(named, key=lambda s: s["CreationTime"])
+            events = self._cloudformation.describe_stack_events(StackName=newest["StackId"])["StackEvents"]
+        except (ClientError, BotoCoreError, ValueError):
+            return []  # the command itself said more
+        return [
+            f"{e['LogicalResourceId']}: {e.get('ResourceStatusReason', '')}"
+            for e in events
+            if e["ResourceStatus"].endswith("_FAILED")
+        ]
+
+    def invalidate(self) -> None:
+        """Empty the edge's caches."""
+        self.client("cloudfront").create_invalidation(
+            DistributionId=self.outputs()["DistributionId"],
+            InvalidationBatch={
+                "Paths": {"Quantity": 1, "Items": ["/*"]},
+                "CallerReference": str(time.time_ns()),
+            },
+        )
+
+    def protect(self) -> None:
+        """Protect stack and table from deletion.
+
+        Not in the template: a creation that fails must be able to delete them.
+        """
+        self._cloudformation.update_termination_protection(
+            StackName=self.stack, EnableTerminationProtection=True
+        )
+        table, dynamodb = self.outputs()["TableName"], self.client("dynamodb")
+        if not dynamodb.describe_table(TableName=table)["Table"].get("DeletionProtectionEnabled"):
+            dynamodb.update_table(TableName=table, DeletionProtectionEnabled=True)
 
 
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
@@ -226,7 +236,11 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
-        if file.is_versioned and _is_published(s3, bucket, file):
+        published = _content(s3, bucket, file.key) if file.is_versioned else None
+        if published not in (None, file.content):
+            message = f"{file.key} is published with another content: raise the version (`make release`)"
+            raise DeployError(message)
+        if published is not None:
             continue
         more = {"ContentEncoding": file.content_encoding} if file.content_encoding else {}
         more |= {"IfNoneMatch": "*"} if file.is_initial else {}
@@ -245,39 +259,16 @@ def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     return number
 
 
-def _is_published(s3: Any, bucket: str, file: Upload) -> bool:
-    listed = s3.list_objects_v2(Bucket=bucket, Prefix=file.key, MaxKeys=1).get("Contents", [])
-    if not any(entry["Key"] == file.key for entry in listed):
-        return False
-    if s3.get_object(Bucket=bucket, Key=file.key)["Body"].read() != file.content:
-        raise DeployError(f"{file.key} is published with another content: raise the version (`make release`)")
-    return True
-
-
-def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
-    """Read the deployed `/config.json`, None if there is none."""
-    listed = s3.list_objects_v2(Bucket=bucket, Prefix="config.json", MaxKeys=1)
-    if not listed.get("KeyCount"):
-        return None
-    result: Mapping[str, str] = json.loads(s3.get_object(Bucket=bucket, Key="config.json")["Body"].read())
+def settings(s3: Any, bucket: str) -> Mapping[str, str]:
+    """Read the deployed `/config.json`; empty if there is none."""
+    result: Mapping[str, str] = json.loads(_content(s3, bucket, "config.json") or "{}")
     return result
 
 
-def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:
-    """Enable or disable the distribution, which takes minutes; False if it is so already."""
-    current = cloudfront.get_distribution_config(Id=distribution)
-    config = current["DistributionConfig"]
-    if config["Enabled"] == enabled:
-        return False
-    cloudfront.update_distribution(
-        Id=distribution, IfMatch=current["ETag"], DistributionConfig={**config, "Enabled": enabled}
-    )
-    return True
-
-
-def invalidate(cloudfront: Any, distribution: str, caller: str) -> None:
-    """Empty the edge's caches; `caller` is unique to the call."""
-    cloudfront.create_invalidation(
-        DistributionId=distribution,
-        InvalidationBatch={"Paths": {"Quantity": 1, "Items": ["/*"]}, "CallerReference": caller},
-    )
+def _content(s3: Any, bucket: str, key: str) -> bytes | None:
+    """Read an object, None if there is none; S3 says so to those who may list the bucket."""
+    try:
+        content: bytes = s3.get_object(Bucket=bucket, Key=key)["Body"].read()
+    except s3.exceptions.NoSuchKey:
+        return None
+    return content

@@ -4,13 +4,9 @@ import functools
 import os
 import shlex
 import subprocess
-import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Any
-
-import boto3
 
 from infra.console import announce
 from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
@@ -42,32 +38,19 @@ def deploy(target: Target, template: Template | None = None, leave_out: Collecti
 
 def find_out(target: Target) -> Target:
     """Complete a target by its account: whether the stack exists, and where its site is."""
-    stack = _describe(target)
-    if stack is None or stack.status in aws.UNCREATED:
+    stack = target.account.describe()
+    if stack.status in aws.UNCREATED:
         return target
     domain = target.parameters.get("DomainName", stack.parameters.get("DomainName", ""))
     host = domain or stack.outputs.get("DistributionDomain")
     return replace(target, exists=True, site=f"https://{host}" if host else None)
 
 
-def _client(service: str, target: Target) -> Any:
-    make: Any = boto3.client  # whose types know only literal names
-    return make(service, target.region)
-
-
-def _outputs(target: Target) -> Mapping[str, str]:
-    return aws.outputs(_client("cloudformation", target), target.stack)
-
-
-def _describe(target: Target) -> aws.Stack | None:
-    return aws.describe(_client("cloudformation", target), target.stack)
-
-
 def _do(step: Step, target: Target, source: Template) -> None:
-    region, stack = target.region, target.stack
+    account = target.account
     match step.kind:
         case "account":
-            if messages := list(account_check.problems(target, account_check.clients(region))):
+            if messages := list(account_check.problems(target, account)):
                 raise DeployError("\n".join(messages))
         case "build" | "run":
             parameters = _fill_in(step.parameters, target)
@@ -75,33 +58,38 @@ def _do(step: Step, target: Target, source: Template) -> None:
                 PARAMETERS.parent.mkdir(parents=True, exist_ok=True)
                 PARAMETERS.write_text(parameter_file(parameters), encoding="utf-8")
             _run(step.command, target)
-            if different := _different(parameters, target):
+            values = account.describe().parameters if parameters else {}
+            if different := [name for name, value in parameters.items() if values.get(name) != value]:
                 raise DeployError(f"the stack has other values than asked for: {', '.join(different)}")
         case "package":
-            print(f"   release {_package(target, source)}")
+            named = release(target, source)
+            values = {**account.describe().parameters, **target.parameters}
+            write_template(
+                package_template(source, named, traced=values.get("Tracing") == "Active"), TEMPLATE
+            )
+            print(f"   release {named}")
         case "secrets":
-            aws.make_secrets(_client("ssm", target), stack)
+            account.make_secrets()
         case "upload":
-            if (described := _describe(target)) is None:
-                raise DeployError(f"there is no stack {stack}")
-            made, stack_parameters = described.outputs, described.parameters
-            s3, bucket = _client("s3", target), made["WebBucketName"]
-            token = page_token.current_token(made, region, aws.settings(s3, bucket))
+            stack = account.describe()
+            if not stack.status:
+                raise DeployError(f"there is no stack {target.stack}")
+            made = stack.outputs
+            s3, bucket = account.client("s3"), made["WebBucketName"]
+            token = page_token.current_token(made, target.region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
-                page_token.give_canary(made, region, _client("ssm", target), stack)
-            settings = public_settings(token, stack_parameters)
-            contact = made.get("SecurityContact") or stack_parameters.get("OperatorContact")
-            options = Options(made["SiteUrl"], contacts(stack_parameters))
+                page_token.give_canary(made, account)
+            settings = public_settings(token, stack.parameters)
+            contact = made.get("SecurityContact") or stack.parameters.get("OperatorContact")
+            options = Options(made["SiteUrl"], contacts(stack.parameters))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
-            made = _outputs(target)
-            aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))
+            account.invalidate()
         case "protect":
-            aws.protect(_client("cloudformation", target), _client("dynamodb", target), stack)
+            account.protect()
         case "prune":
-            clients = {name: _client(name, target) for name in ("cloudformation", "lambda", "s3")}
-            versions, artifacts = prune(clients, stack, datetime.now(UTC))
+            versions, artifacts = prune(account, datetime.now(UTC))
             print(f"   {versions} versions, {artifacts} artifacts")
         case "smoke":
             if messages := list(_smoke(target, source)):
@@ -111,34 +99,27 @@ def _do(step: Step, target: Target, source: Template) -> None:
 
 def release(target: Target, source: Template) -> str:
     """Digest of what is deployed; raises KeyError if the address of the site is needed and not known."""
-    stack = _describe(target)
-    values = {**(stack.parameters if stack else {}), **target.effective}
-    if stack and target.site is None and (url := stack.outputs.get("SiteUrl")):
+    stack = target.account.describe()
+    values = {**stack.parameters, **target.effective}
+    if target.site is None and (url := stack.outputs.get("SiteUrl")):
         values["GuidanceUrl"] = f"{url}/calibrate/"
     return release_digest(source, values)
 
 
-def _package(target: Target, source: Template) -> str:
-    named = release(target, source)
-    stack = _describe(target)
-    tracing = {**(stack.parameters if stack else {}), **target.parameters}.get("Tracing")
-    write_template(package_template(source, named, traced=tracing == "Active"), TEMPLATE)
-    return named
-
-
 def _smoke(target: Target, source: Template) -> Iterator[str]:
-    region, stack = target.region, target.stack
-    cloudformation, lambda_ = _client("cloudformation", target), _client("lambda", target)
-    made = _outputs(target)
+    account = target.account
+    made = account.outputs()
     site = smoke.Site(made["SiteUrl"], made["DistributionDomain"])
-    yield from smoke.unreleased(aws.releases(cloudformation, lambda_, stack), release(target, source))
+    yield from smoke.unreleased(account.releases(), release(target, source))
     yield from smoke.problems(smoke.make_requester(site.url, site.distribution), site)
     # Pages of other origins may use the API's own address, where the edge answers no preflights.
     at_api = smoke.make_requester(made["ApiUrl"].removesuffix("/v1"))
     yield from (f"{made['ApiUrl']}: {problem}" for problem in smoke.preflight_problems(at_api, "/v1/lookup"))
-    settings = aws.settings(_client("s3", target), made["WebBucketName"]) or {}
-    refit = aws.physical_id(cloudformation, stack, "RefitFunction")
-    remove = functools.partial(smoke_capture.remove, made, region, refit)
+    settings = aws.settings(account.client("s3"), made["WebBucketName"])
+    names = {
+        each["LogicalResourceId"]: each["PhysicalResourceId"] for each in account.resources(aws.FUNCTION)
+    }
+    remove = functools.partial(smoke_capture.remove, made, target.region, names["RefitFunction"])
     yield from smoke_capture.problems(site, settings.get("token", ""), remove)
 
 
@@ -147,23 +128,13 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
     values: dict[str, str] = {}
     text = "".join(parameters.values())
     if "{SiteUrl}" in text:
-        made = _outputs(target)
-        values["{SiteUrl}"] = made["SiteUrl"]
+        values["{SiteUrl}"] = target.account.outputs()["SiteUrl"]
     if "{EdgeSecretVersion}" in text:
-        version = aws.edge_secret_version(_client("ssm", target), target.stack)
-        values["{EdgeSecretVersion}"] = str(version)
+        values["{EdgeSecretVersion}"] = str(target.account.edge_secret_version())
     filled = dict(parameters)
     for place, value in values.items():
         filled = {name: content.replace(place, value) for name, content in filled.items()}
     return filled
-
-
-def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    if not parameters:
-        return []
-    stack = _describe(target)
-    values = stack.parameters if stack else {}
-    return [name for name, value in parameters.items() if values.get(name) != value]
 
 
 def _run(command: Sequence[str], target: Target) -> None:
@@ -172,6 +143,5 @@ def _run(command: Sequence[str], target: Target) -> None:
     if done.returncode:
         said = f"{shlex.join(command)} failed"
         if command[1:2] == ["deploy"]:
-            events = aws.failures(_client("cloudformation", target), target.stack)
-            said = "\n".join([said, *account_check.explain(events)])
+            said = "\n".join([said, *account_check.explain(target.account.failures())])
         raise DeployError(said)

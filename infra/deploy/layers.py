@@ -1,20 +1,11 @@
-"""Check of the built layers against Lambda's limits and size budgets.
-
-`python -m infra.deploy.layers` checks `.build/layers`; `--build` makes them first.
-"""
+"""Check of the built layers in `.build/layers` against Lambda's limits and size budgets: `make layers`."""
 
 from __future__ import annotations
 
-import argparse
-import os
-import shutil
-import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-
-from infra.console import announce
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / ".build" / "layers"
@@ -69,33 +60,8 @@ def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Itera
             yield f"{name}: {100 * layer.compiled:.0f} % of its modules are compiled"
 
 
-def _build() -> None:
-    """Build both layers with their own Makefiles."""
-    shutil.rmtree(BUILT, ignore_errors=True)
-    node = shutil.which("node") or "node"
-    # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    targets = [("service", "build-ServiceLayer"), ("solver", "build-SolverLayer")]
-    for name, target in announce("layers", targets, lambda step: f"install and compile the {step[0]} layer"):
-        command = [
-            *("make", "--silent", "-C", str(ROOT / "layers" / name), target),
-            f"ARTIFACTS_DIR={BUILT / name}",
-            f"UV={os.environ.get('UV', 'uv')}",
-            f"COMPILE={node} {ROOT / 'infra' / 'deploy' / 'compile.mjs'}",
-        ]
-        subprocess.run(command, env=environment, check=True)
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Build if asked to, and print the sizes; return 1 if something is wrong."""
-    parser = argparse.ArgumentParser(prog="python -m infra.deploy.layers")
-    parser.add_argument("--build", action="store_true", help="build both layers first")
-    if parser.parse_args(arguments).build:
-        try:
-            _build()
-        except subprocess.CalledProcessError as error:
-            print(f"calibDB: {error}", file=sys.stderr)
-            return 1
+def main() -> int:
+    """Print the sizes; return 1 if something is wrong."""
     layers = {name: BuiltLayer.of(BUILT / name) for name in ("service", "solver")}
     functions = BuiltLayer.of(ROOT / "functions").megabytes
     for name, layer in layers.items():

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,7 @@ _ALARM = {
     "TreatMissingData": "notBreaching",
     "AlarmActions": [{"Ref": "AlarmTopic"}],
 }
+_REFERENCE = re.compile(r'(?:"Ref": "|\$\{)(\w+)["}]')  # in a template as JSON: `!Ref` and `!Sub`
 # Folders of code, and where they are from the folder of `TEMPLATE`
 _PLACES = {"functions/": "../../functions/", "infra/": "../../infra/", "layers/": "../layers/"}
 
@@ -64,6 +65,9 @@ def complete_template() -> Template:
         if resource["Type"] == "AWS::CloudFront::Function":
             properties = resource["Properties"]
             properties["FunctionCode"] = _edge_function(ROOT / properties["FunctionCode"], pages)
+        if resource["Type"] == "AWS::Lambda::Function":
+            code = resource["Properties"]["Code"]
+            code["ZipFile"] = (ROOT / code["ZipFile"]).read_text(encoding="utf-8")
     return document
 
 
@@ -113,7 +117,7 @@ def release_digest(complete: Template, parameters: Mapping[str, str], code: Iter
     count.
     """
     values = {n: str(p.get("Default", "")) for n, p in complete["Parameters"].items()} | dict(parameters)
-    named = sorted(set(_references(_of_functions(complete))) & values.keys())
+    named = sorted(set(_REFERENCE.findall(json.dumps(_of_functions(complete)))) & values.keys())
     whole = hashlib.sha256(json.dumps([complete, [(n, values[n]) for n in named]]).encode())
     for folder in code:
         # Compiled modules are part of the layers; in `functions/` a test run leaves them.
@@ -131,20 +135,6 @@ def _of_functions(document: Mapping[str, Any]) -> list[Any]:
     everywhere = document.get("Globals", {}).get("Function", {})
     # How calls move to a release is not part of it.
     return [{k: v for k, v in f.items() if k != "DeploymentPreference"} for f in (everywhere, *functions)]
-
-
-def _references(value: Any) -> Iterator[str]:
-    """Yield the names in every `!Ref` and `!Sub` of a value."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            if key == "Ref":
-                yield inner
-            elif key == "Fn::Sub":
-                yield from re.findall(r"\$\{(\w+)\}", inner if isinstance(inner, str) else inner[0])
-            yield from _references(inner)
-    elif isinstance(value, list):
-        for inner in value:
-            yield from _references(inner)
 
 
 def _edge_function(path: Path, pages: str) -> str:

@@ -1,31 +1,30 @@
 """Tokens of the site's own pages and of its canary: they follow the site's address."""
 
-import secrets
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from calibdb.access.tokens import parse
 from calibdb.store import Tokens
 from calibdb.store.storage import storage_named
+from infra.deploy.aws import Account
 from infra.ops.tokens import issue
 
 
-def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
+def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str]) -> str:
     """Return the token for the pages, valid on every address of the site.
 
-    `made`: outputs of the stack. `settings`: the deployed `/config.json`, None if there is none.
+    `made`: outputs of the stack. `settings`: the deployed `/config.json`, empty if there is none.
     """
-    return admit(_tokens(made, region), (settings or {}).get("token", ""), _origins(made))
+    return admit(_tokens(made, region), settings.get("token", ""), _origins(made))
 
 
-def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
+def give_canary(made: Mapping[str, str], account: Account) -> None:
     """Give the canary a token, in a secure parameter that only it reads. `made`: outputs of the stack."""
-    name = f"/calibdb/{stack}/CANARY_TOKEN"
+    name, ssm = f"/calibdb/{account.stack}/CANARY_TOKEN", account.client("ssm")
     parameters = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
     current = parameters[0]["Value"] if parameters else ""
-    token = admit(_tokens(made, region), current, _origins(made), "free")
+    token = admit(_tokens(made, account.region), current, _origins(made), "free")
     if token != current:
         ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
 
@@ -47,4 +46,4 @@ def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = "page"
         if missing := [origin for origin in origins if origin not in token.origins]:
             tokens.change(replace(token, origins=(*token.origins, *missing)))
         return known
-    return issue(tokens, origins, plan, int(time.time()), secrets.token_hex)
+    return issue(tokens, origins, plan, int(time.time()))

@@ -1,14 +1,12 @@
 """Processor time of a computation here, relative to the machine on which the limits of requests were set.
 
-`python -m infra.deploy.processor` prints the factor for the parameter `ProcessorFactor`; `--check` compares
-it with the template's default. A virtual processor of Lambda is slower than a core of a machine of the same
+`python -m infra.deploy.processor` prints the factor for the parameter `ProcessorFactor`, and compares it with
+the template's default. A virtual processor of Lambda is slower than a core of a machine of the same
 kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
 """
 
-import argparse
 import sys
 import time
-from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -32,12 +30,12 @@ def workload() -> None:
         fit(views, _IMG_SIZE, board_shape=False)
 
 
-def measure(compute: Callable[[], None] = workload, runs: int = _RUNS) -> float:
+def measure() -> float:
     """Measure the least processor time of several runs, s."""
     times = []
-    for _ in range(runs):
+    for _ in range(_RUNS):
         begun = time.process_time()
-        compute()
+        workload()
         times.append(time.process_time() - begun)
     return min(times)
 
@@ -47,18 +45,15 @@ def factor(seconds: float) -> float:
     return seconds / REFERENCE_S / SHARE_OF_A_CORE
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Print the factor; with `--check` return 1 if the template's default is less."""
-    parser = argparse.ArgumentParser(prog="python -m infra.deploy.processor")
-    parser.add_argument("--check", action="store_true", help="fail if the template's default is less")
-    checked = parser.parse_args(arguments).check
+def main() -> int:
+    """Print the factor; return 1 if the template's default is less."""
     seconds = measure()
     default = float(parse(ROOT / "template.yaml")["Parameters"]["ProcessorFactor"]["Default"])
     print(
         f"{seconds:.4f} s of processor time, {seconds / REFERENCE_S:.2f} of the reference's {REFERENCE_S} s"
     )
     print(f"ProcessorFactor {factor(seconds):.2f}, by default {default}")
-    if checked and factor(seconds) > default:
+    if factor(seconds) > default:
         print("calibDB: raise ProcessorFactor in template.yaml", file=sys.stderr)
         return 1
     return 0

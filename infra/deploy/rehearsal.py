@@ -11,8 +11,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 
-import boto3
-
 from infra.ci import ministack
 from infra.deploy import aws
 from infra.deploy.aws import DeployError
@@ -58,8 +56,8 @@ def main() -> int:
             second = _live()
             deploy(silent, template, (*_ONLY_ON_AWS, "build"))
             third = _live()
-            aws.rotate(boto3.client("ssm"), REHEARSAL.stack)
-            aws.rotate_edge(boto3.client("ssm"), REHEARSAL.stack)
+            REHEARSAL.account.rotate()
+            REHEARSAL.account.rotate_edge()
         except DeployError as error:
             print(f"calibDB: {error}", file=sys.stderr)
             return 1
@@ -75,9 +73,9 @@ def main() -> int:
 
 
 def _live() -> Versions:
-    cloudformation, lambda_ = boto3.client("cloudformation"), boto3.client("lambda")
-    versions = {}
-    for name, release in aws.releases(cloudformation, lambda_, REHEARSAL.stack).items():
+    account = REHEARSAL.account
+    versions, lambda_ = {}, account.client("lambda")
+    for name, release in account.releases().items():
         try:
             version = lambda_.get_alias(FunctionName=name, Name="live")["FunctionVersion"]
         except lambda_.exceptions.ResourceNotFoundException:
@@ -88,11 +86,9 @@ def _live() -> Versions:
 
 def _find_unpublished(first: Versions, second: Versions, third: Versions) -> Iterator[str]:
     """Find functions that a change in a layer did not reach, or that were published without a change."""
-    for name, (version, release) in second.items():
+    for name, (_, release) in second.items():
         if release == first[name][1]:
             yield f"{name}: the alias kept the release {release} when a layer changed"
-        if version == first[name][0] != "$LATEST":
-            yield f"{name}: the alias kept the version {version} when a layer changed"
         if third[name] != second[name]:
             yield f"{name}: an equal build published {third[name]}"
     print(
@@ -117,32 +113,27 @@ def remove_unsupported(template: Template) -> Template:
 
 def _problems() -> Iterator[str]:
     """Find the differences between the template and the deployed resources."""
-    cloudformation = boto3.client("cloudformation")
-    (stack,) = cloudformation.describe_stacks(StackName=REHEARSAL.stack)["Stacks"]
-    if stack["StackStatus"] != "UPDATE_COMPLETE":
-        yield f"the stack is {stack['StackStatus']}"
-    made = aws.outputs(cloudformation, REHEARSAL.stack)
-    parameters = {p["ParameterKey"]: p["ParameterValue"] for p in stack["Parameters"]}
-    values = {**_AWKWARD_VALUES, "AlarmEmail": ""}
-    if different := [name for name, value in values.items() if parameters[name] != value]:
-        yield f"the stack has other values than asked for: {', '.join(different)}"
-    if parameters["GuidanceUrl"] != f"{made['SiteUrl']}/calibrate/":
-        yield f"lookups are sent to {parameters['GuidanceUrl']}"
-    secrets = boto3.client("ssm").get_parameters_by_path(
-        Path=f"/calibdb/{REHEARSAL.stack}", WithDecryption=True
-    )
+    account = REHEARSAL.account
+    stack = account.describe()
+    if stack.status != "UPDATE_COMPLETE":
+        yield f"the stack is {stack.status}"
+    made, guidance = stack.outputs, stack.parameters["GuidanceUrl"]
+    if guidance != f"{made['SiteUrl']}/calibrate/":
+        yield f"lookups are sent to {guidance}"
+    ssm, path = account.client("ssm"), f"/calibdb/{REHEARSAL.stack}"
+    secrets = ssm.get_parameters_by_path(Path=path, WithDecryption=True)
     keys = {p["Name"].rpartition("/")[2]: p["Value"].count(",") + 1 for p in secrets["Parameters"]}
     if keys != {"SESSION_SECRETS": 3, "CONTRIBUTOR_SECRET": 1, "EDGE_SECRETS": 3, "EDGE_SECRET": 1}:
         yield f"the secrets hold so many keys: {keys}"
-    page = boto3.client("s3").head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
+    page = account.client("s3").head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
     if page["ContentType"] != "text/html; charset=utf-8":
         yield f"a page is {page['ContentType']}"
-    print(f"{len(aws.resources(cloudformation, REHEARSAL.stack))} resources, {len(made)} outputs")
+    print(f"{len(account.resources())} resources, {len(made)} outputs")
 
 
 def _settings() -> dict[str, str]:
-    made = aws.outputs(boto3.client("cloudformation"), REHEARSAL.stack)
-    return dict(aws.settings(boto3.client("s3"), made["WebBucketName"]) or {})
+    account = REHEARSAL.account
+    return dict(aws.settings(account.client("s3"), account.outputs()["WebBucketName"]))
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ def uploads(
         for path in sorted(web.rglob("*"))
         if path.is_file()
         and not path.name.endswith(_EXCLUDED_SUFFIXES)
-        and not path.is_relative_to(web / "messages")
+        and path.relative_to(web).parts[0] not in site.SOURCE_FOLDERS
     } | dict(site.made_files(web, options))
     origin = options.origin if options else ""
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})[:12]}/"
@@ -76,17 +76,14 @@ def uploads(
     # Pages ask for the figures before the first dump has written them.
     yield Upload(STATISTICS, NO_STATISTICS, JSON, CACHE_CONTROL[JSON], is_initial=True)
     # What the service worker of the pages keeps, by the names and contents that a browser gets.
-    yield Upload("shell.json", json.dumps(shell_of(digests)).encode(), "application/json", FRESH)
+    made = {"shell.json": json.dumps(shell_of(digests)).encode()}
     if contact and now:
-        yield Upload(
-            ".well-known/security.txt",
-            security_text(contact, now, origin),
-            "text/plain; charset=utf-8",
-            FRESH,
-        )
+        made[".well-known/security.txt"] = security_text(contact, now, origin)
     if origin:
-        yield Upload("robots.txt", robots_text(origin), "text/plain; charset=utf-8", FRESH)
-        yield Upload("sitemap.xml", sitemap(origin, digests), "application/xml", FRESH)
+        made["robots.txt"] = robots_text(origin)
+        made["sitemap.xml"] = sitemap(origin, digests)
+    for key, content in made.items():
+        yield Upload(key, content, media_type(key), FRESH)
     yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _NO_STORE)
 
 

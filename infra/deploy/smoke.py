@@ -78,7 +78,9 @@ def problems(ask: Ask, site: Site, patience_s: float = _PROPAGATION_TIMEOUT_S) -
     try:
         yield from _paths(ask)
         yield from _other_origins(ask)
-        yield from _redirects(ask)
+        location = ask("GET", "//elsewhere.example/page").headers.get("location", "/")
+        if urlsplit(location).hostname == "elsewhere.example":
+            yield f"GET //elsewhere.example/page: sent to {location}"
         yield from _page(ask, site, patience_s)
     except (OSError, httpx.HTTPError) as error:
         yield f"{site.url} does not answer ({error or type(error).__name__})"
@@ -135,12 +137,6 @@ def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
     ):
         if value not in heard.headers.get(header, "").replace(" ", "").split(","):
             yield f"OPTIONS {path}: no {value} in {header}"
-
-
-def _redirects(ask: Ask) -> Iterator[str]:
-    location = ask("GET", "//elsewhere.example/page").headers.get("location", "/")
-    if urlsplit(location).hostname == "elsewhere.example":
-        yield f"GET //elsewhere.example/page: sent to {location}"
 
 
 def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:

@@ -1,11 +1,13 @@
 """Steps of a deployment, in order; nothing is run here."""
 
+import functools
 import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from infra.deploy.aws import Account
 from infra.deploy.package import ROOT, TEMPLATE
 
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
@@ -30,6 +32,11 @@ class Target:
     parameters: Mapping[str, str] = field(default_factory=dict)
     site: str | None = None
     exists: bool = False
+
+    @functools.cached_property
+    def account(self) -> Account:
+        """The account, as the operator's credentials name it."""
+        return Account(self.stack, self.region)
 
     @property
     def effective(self) -> dict[str, str]:
@@ -70,7 +77,9 @@ def steps(target: Target) -> Iterator[Step]:
         "SESSION_SECRETS, CONTRIBUTOR_SECRET, EDGE_SECRETS, EDGE_SECRET",
     )
     if region := target.parameters.get("ReplicaRegion"):
-        yield Step("run", f"make the bucket for the replica in {region}", _replica(target, region))
+        command = _deploy("infra/deploy/replica.yaml", f"{target.stack}-replica", region)
+        values = ("--parameter-overrides", f"Stack={target.stack}")
+        yield Step("run", f"make the bucket for the replica in {region}", (*command, *values))
     yield Step("run", "create or change the stack", _command(target), target.effective)
     if target.site is None:
         yield Step("package", "name the release again: its functions learn where the site is")
@@ -83,13 +92,6 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step("protect", "protect stack and table from deletion")
     yield Step("prune", "remove versions and artifacts of earlier deployments")
     yield Step("smoke", "ask the site and the API whether they do what they must")
-
-
-def _replica(target: Target, region: str) -> tuple[str, ...]:
-    return (
-        *_deploy("infra/deploy/replica.yaml", f"{target.stack}-replica", region),
-        *("--parameter-overrides", f"Stack={target.stack}"),
-    )
 
 
 def _command(target: Target, *, first: bool = True) -> tuple[str, ...]:

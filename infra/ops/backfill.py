@@ -3,7 +3,6 @@
 An up-to-date consensus costs a few reads, so the command can be stopped and run again at any time.
 """
 
-from dataclasses import asdict, dataclass
 from typing import Annotated
 
 import typer
@@ -11,36 +10,10 @@ import typer
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, RefitRequest
 from functions.backfill.app import requests_of
+from infra.console import track
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.reindex import raise_failed
 from infra.ops.session import DryRun, Json, open_run
-
-
-@dataclass(frozen=True)
-class BackfillResult:
-    """Numbers of modes (cameras at one size and zoom), and of consensuses that changed or failed."""
-
-    modes: int
-    changed: int
-    failed: int
-
-
-def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> BackfillResult:
-    """Bring the consensuses of the cameras with keys after `after` up to date; with `dry_run`, list them."""
-    changed = failed = 0
-    names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
-    chosen = [name for name in names if not after or name.split("/")[1] > after]
-    requests = list(requests_of(context.store.calibrations, chosen))  # one for each mode of each camera
-    if dry_run:
-        for request in requests:
-            context.echo(f"{_describe(request)}: would be checked")
-        return BackfillResult(len(requests), 0, 0)
-    for request in context.track(requests, "consensuses", len(requests)):
-        count = _refit(context, request)
-        failed += count is None
-        changed += count or 0
-        context.echo(f"{_describe(request)}: {'failed' if count is None else f'{count} changed'}")
-    return BackfillResult(len(requests), changed, failed)
 
 
 def _describe(request: RefitRequest) -> str:
@@ -73,10 +46,20 @@ def backfill_command(
 ) -> None:
     """Recompute outdated consensuses: after a new model, another solver or other thresholds."""
     with open_run(as_json=as_json) as (context, output):
-        done = backfill(context, after, dry_run=dry_run)
-        output.value(asdict(done))
+        names = track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
+        chosen = [name for name in names if not after or name.split("/")[1] > after]
+        requests = requests_of(context.store.calibrations, chosen)  # one for each mode of each camera
+        changed = failed = 0
         if dry_run:
-            output.line(f"{done.modes} modes of cameras would be checked")
-            return
-        output.line(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
-        raise_failed(done.failed)
+            for request in requests:
+                output.line(f"{_describe(request)}: would be checked")
+            output.line(f"{len(requests)} modes of cameras would be checked")
+        else:
+            for request in track(requests, "consensuses", len(requests)):
+                count = _refit(context, request)
+                failed += count is None
+                changed += count or 0
+                output.line(f"{_describe(request)}: {'failed' if count is None else f'{count} changed'}")
+            output.line(f"{len(requests)} modes of cameras checked, {changed} consensuses computed")
+        output.value({"modes": len(requests), "changed": changed, "failed": failed})
+        raise_failed(failed)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from calibdb.camera_key import current_key
 from calibdb.dump.bundle import Name, Source, build_bundle, names_of
+from infra.console import track
 from infra.ops.context import OpsContext
 
 
@@ -27,7 +28,7 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
         licence=context.store.calibrations.licence,
         private=context.settings.thresholds.min_contributors == 1,
         created=context.now,
-        track=context.track,
+        track=track,
     )
     names_by_camera: defaultdict[str, set[Name]] = defaultdict(set)
     for document, withdrawn in context.every_calibration():

@@ -17,8 +17,8 @@ import typer
 from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
 from calibdb.store import StreamMode
-from calibdb.store.aliases import Aliases
-from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
+from calibdb.store.keys import camera_pk, with_tombstones
+from infra.console import track
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.session import Json, open_run
@@ -28,7 +28,6 @@ _COLUMNS = ("id", "time (UTC)", "contributor", "model", "#views", "#fx (px)", "#
 _MARKERS = ("●", "x", "+", "◇", "▵")
 _HEIGHT = 18  # lines of a terminal
 _MAX_GROUPS = len(_MARKERS)  # with their own marker; the others have none
-_UNKNOWN = "unknown"  # cameras that no lookup has found
 _LOOKUP_PATH = re.compile(r"/known/v1/([0-9a-f]{32})/")
 
 Stored = tuple[CalibrationDocument, bool]
@@ -71,10 +70,12 @@ def list_cameras(
     with open_run(as_json=as_json) as (context, output):
         stored: Counter[str] = Counter()
         withdrawn: Counter[str] = Counter()
-        for name in context.track(context.objects.names(CALIBRATIONS_PREFIX), "calibrations"):
+        names = with_tombstones(context.objects.names(CALIBRATIONS_PREFIX))
+        for _, name, is_withdrawn in track(names, "calibrations"):
             key = name.split("/")[1]
             if text.lower() in key:
-                (withdrawn if name.endswith(WITHDRAWN) else stored)[key] += 1
+                stored[key] += 1
+                withdrawn[key] += is_withdrawn
         rows = [(key, count, withdrawn[key]) for key, count in sorted(stored.items())]
         output.table(("camera", "#calibrations", "#withdrawn"), rows, (_count_line(*row) for row in rows))
         output.value([{"key": key, "calibrations": n, "withdrawn": m} for key, n, m in rows])
@@ -144,13 +145,10 @@ def _read_calibrations(context: OpsContext, camera_key: str) -> Iterator[Stored]
 
 
 def _stored_under(context: OpsContext, camera_key: str) -> Iterator[tuple[str, Stored]]:
-    names = set(context.objects.names(f"{CALIBRATIONS_PREFIX}{camera_key}/"))
-    for name in names:
-        calibration_id = name.rpartition("/")[2].removesuffix(".json")
-        if not name.endswith(WITHDRAWN):
-            document = context.store.calibrations.get(calibration_id)
-            if document is not None:
-                yield calibration_id, (document, tombstone_object(calibration_id) in names)
+    for _, name, withdrawn in with_tombstones(context.objects.names(f"{CALIBRATIONS_PREFIX}{camera_key}/")):
+        document = context.store.calibrations.get(name.rpartition("/")[2].removesuffix(".json"))
+        if document is not None:
+            yield document.id, (document, withdrawn)
 
 
 def _describe_consensus(consensus: ConsensusDocument) -> str:
@@ -205,19 +203,14 @@ def show_use(
 ) -> None:
     """Count lookups at the edge by camera."""
     with open_run(as_json=as_json) as (context, output):
-        use = _count_use(logs, context.store.aliases).most_common()
+        digests = Counter(m[1] for path in _paths(logs) if (m := _LOOKUP_PATH.match(path)))
+        counts: Counter[str] = Counter()
+        for digest, requests in digests.items():
+            alias = context.store.aliases.get(digest)
+            counts["unknown" if alias is None else alias.label] += requests
+        use = counts.most_common()
         output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
         output.value([{"camera": label, "lookups": count} for label, count in use])
-
-
-def _count_use(folder: Path, aliases: Aliases) -> Counter[str]:
-    """Count the requests of `GET /known/v1/…` by camera label, in all logs below a folder."""
-    digests = Counter(m[1] for path in _paths(folder) if (m := _LOOKUP_PATH.match(path)))
-    use: Counter[str] = Counter()
-    for digest, requests in digests.items():
-        alias = aliases.get(digest)
-        use[_UNKNOWN if alias is None else alias.label] += requests
-    return use
 
 
 def _paths(folder: Path) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +14,7 @@ from calibdb.store.keys import WITHDRAWN
 from calibdb.store.ports import READERS, Storage
 from calibdb.store.sqlite import SqliteObjects
 from calibdb.store.storage import storage_of
-from infra.console import Track, pass_through
+from infra.console import track
 
 CALIBRATIONS_PREFIX = "calibrations/"
 Key = tuple[str, str]  # pk, sk of an item
@@ -31,9 +30,7 @@ class OpsContext:
     storage: Storage
     objects: Objects
     now: int  # unix seconds
-    random_hex: Callable[[int], str]  # of so many bytes
     echo: Callable[[str], None]
-    track: Track = pass_through
 
     @classmethod
     def of(
@@ -42,21 +39,24 @@ class OpsContext:
         *,
         secret_known: bool,
         echo: Callable[[str], None] = print,
-        track: Track = pass_through,
     ) -> OpsContext:
         """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)
         storage = storage_of(settings)
+        objects = storage.objects
+        if not isinstance(objects, SqliteObjects):
+            # Not needed, and botocore not installed, elsewhere.
+            from infra.ops.replica import ReplicatedObjects
+
+            objects = ReplicatedObjects(settings.bucket_name, settings.region)
         return cls(
             settings=settings,
             secret_known=secret_known,
-            store=Store.of(settings),
+            store=Store.over(storage),
             storage=storage,
-            objects=_replicated(storage.objects, settings),
+            objects=objects,
             now=int(time.time()),
-            random_hex=secrets.token_hex,
             echo=echo,
-            track=track,
         )
 
     def remove_items(self, keys: Iterable[Key]) -> None:
@@ -66,15 +66,9 @@ class OpsContext:
 
     def every_calibration(self) -> Iterator[tuple[CalibrationDocument, bool]]:
         """Yield all calibrations, each with whether it is withdrawn, and show the progress."""
-        return self.track(self.store.calibrations.everything(), "calibrations", self._count_calibrations)
-
-    def _count_calibrations(self) -> int:
-        return sum(not name.endswith(WITHDRAWN) for name in self.objects.names(CALIBRATIONS_PREFIX))
-
-
-def _replicated(objects: Objects, settings: Settings) -> Objects:
-    if isinstance(objects, SqliteObjects):
-        return objects
-    from infra.ops.replica import ReplicatedObjects  # not needed, and botocore not installed, elsewhere
-
-    return ReplicatedObjects(settings.bucket_name, settings.region)
+        names = self.objects.names
+        return track(
+            self.store.calibrations.everything(),
+            "calibrations",
+            lambda: sum(not name.endswith(WITHDRAWN) for name in names(CALIBRATIONS_PREFIX)),
+        )

@@ -1,6 +1,7 @@
 """Dump of the database (CC0): JSON Lines that `load` reads, and Parquet tables for analysis."""
 
 import functools
+import secrets
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from pydantic import BaseModel
 
 from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
 from calibdb.schema import CalibrationDocument, RigCalibrationDocument
+from infra.console import track
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
 from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
@@ -80,7 +82,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
-    alias = aliases(context.random_hex(32))
+    alias = aliases(secrets.token_hex(32))
     select = functools.partial(unnamed_copy if private else public_copy, alias=alias)
     draft = folder.with_name(folder.name + ".partial")  # a dump is whole or it is not there
     draft.mkdir(parents=True, exist_ok=True)
@@ -102,9 +104,9 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
                 _write(table, corners, batch)
                 batch = []
         _write(table, corners, batch)
-    votes = _write_lines(draft / VOTES, map(select, context.track(context.store.votes.all(), "votes")))
+    votes = _write_lines(draft / VOTES, map(select, track(context.store.votes.all(), "votes")))
     if private:
-        rigs = context.track(context.store.rigs.calibrations(), "rigs")
+        rigs = track(context.store.rigs.calibrations(), "rigs")
         _write_lines(draft / RIGS, (_renamed(rig, alias) for rig in rigs))
     (draft / "README.txt").write_text((PRIVATE if private else ABOUT) + CONTENTS, encoding="utf-8")
     draft.rename(folder)

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from infra.console import track
 from infra.ops import OpsError
 from infra.ops.session import DryRun, Json, Size, data_folder, open_output, open_run, parse_size
 
@@ -161,7 +162,7 @@ def import_files(
         results: list[dict[str, str]] = []
         output.value(results)
         failed: list[str] = []
-        for file in context.track(files, "files", len(files)):
+        for file in track(files, "files", len(files)):
             try:
                 done = import_file(context, file, reported, options, model, dry_run=dry_run)
             except (OpsError, OSError) as error:

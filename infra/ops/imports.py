@@ -3,9 +3,9 @@
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
@@ -43,12 +43,9 @@ class ReportedCamera:
 
 def licence_of(name: str | None) -> Licence | None:
     """Return the licence with this SPDX identifier; raises OpsError where dumps are under another."""
-    if name is None:
-        return None
-    try:
-        return TypeAdapter[Licence](Licence).validate_python(name)
-    except ValidationError as error:
-        raise OpsError(f"dumps are given away under {get_args(Licence)[0]}, not under {name!r}") from error
+    if name not in (None, *get_args(Licence)):
+        raise OpsError(f"dumps are given away under {get_args(Licence)[0]}, not under {name!r}")
+    return cast("Licence | None", name)
 
 
 def import_file(
@@ -78,12 +75,12 @@ def import_file(
     size = read.camera.img_size if read.camera else options.img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
-    document = _document(context, path, reported, read.views, size, model)
-    taken = _fingerprint(document)
+    document = _document(context, path, reported, identity.key, read.views, size, model)
+    keypoints = _keypoints(document)
     mode = reindex.mode_of(document)
     counted = context.store.calibrations.newest(mode, context.settings.thresholds.max_calibrations)
     for stored in context.store.calibrations.read([c.id for c in counted]):
-        if stored.id != document.id and _fingerprint(stored) == taken:
+        if stored.id != document.id and _keypoints(stored) == keypoints:
             raise OpsError(f"these keypoints are known already: calibration {stored.id}")
     if not dry_run:
         context.store.calibrations.publish(document)
@@ -111,16 +108,16 @@ def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedF
         raise OpsError(f"{path}: {error}") from error
 
 
-def _fingerprint(document: CalibrationDocument) -> str:
-    """Hash the keypoints, which are the same in all files of one capture."""
-    views = sorted(sorted((round(x, 2), round(y, 2)) for x, y in view.points) for view in document.views)
-    return hashlib.sha256(repr(views).encode()).hexdigest()
+def _keypoints(document: CalibrationDocument) -> list[list[tuple[float, float]]]:
+    """Sort the keypoints, which are the same in all files of one capture."""
+    return sorted(sorted((round(x, 2), round(y, 2)) for x, y in view.points) for view in document.views)
 
 
 def _document(
     context: OpsContext,
     path: Path,
     reported: ReportedCamera,
+    key: str,
     views: tuple[View, ...],
     size: tuple[int, int],
     model: str,
@@ -139,7 +136,6 @@ def _document(
             raise OpsError(f"{path} has {len(indices)} usable views, a calibration needs {_MIN_VIEWS}")
     except CalibrationError as error:
         raise OpsError(f"{path}: {error}") from error
-    key = identify(reported.camera, reported.platform).key
     digest = hashlib.sha256(path.read_bytes() + f"/{key}/{chosen}".encode()).hexdigest()
     try:
         return CalibrationDocument(

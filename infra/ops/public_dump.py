@@ -23,7 +23,6 @@ def publish_dump(context: OpsContext) -> Dump:
         dumps=dumps,
         figures=Figures(dumps, store.cameras, store.miss_counts, store.calibrations, least),
         now=lambda: context.now,
-        random_hex=context.random_hex,
         seconds_left=lambda: math.inf,
     ).run(force=True)
     if dump is None:

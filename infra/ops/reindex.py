@@ -2,22 +2,18 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
-from typing import Any
-from typing import cast as typed
+from dataclasses import asdict, dataclass, replace
+from typing import Any, cast
 
 from calibdb.access.plans import TRIAL_PERIOD_S
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_result
 from calibdb.schema import CalibrationDocument, RefitRequest
-from calibdb.store import Calibrations, StreamMode, Table, Tokens, endings
+from calibdb.store import Store, StreamMode, Table, endings
 from calibdb.store.names import with_current_key
 from calibdb.store.ports import Condition, Item
-from calibdb.store.priors import Priors
-from calibdb.store.rigs import Rigs
-from calibdb.store.versions import Sessions
-from calibdb.store.votes import Votes
+from infra.console import track
 from infra.ops import OpsError
 from infra.ops.context import Key, OpsContext
 from infra.ops.session import DryRun, Json, open_run
@@ -78,23 +74,21 @@ def reindex(
     # First, so that later publications are not mistaken for entries that the bucket lacks.
     indexed = set(context.storage.table.keys("CAMERA"))
     recorder = _RecordingTable(context.storage.table, dry_run=dry_run)
-    table = typed("Table", recorder)
-    sessions = Sessions(table, context.objects).index(context.now)
-    rigs = Rigs(table, context.objects).index(context.now)
+    recorded = replace(context.storage, table=cast("Table", recorder), objects=context.objects)
+    store = Store.over(recorded)
+    sessions, rigs = store.sessions.index(context.now), store.rigs.index(context.now)
     published = _publish_finished(context, dry_run=dry_run)
-    calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
     for document, withdrawn in context.every_calibration():
-        calibrations.index(document, withdrawn=withdrawn)
+        store.calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
-    cast = 0
-    for vote in context.track(votes.all(), "votes"):
-        votes.index(vote)
-        cast += 1
-    issued = Tokens(table, context.objects).reindex(context.now, TRIAL_PERIOD_S)
-    priors = Priors(table, context.objects)
-    for prior in priors.all():
-        priors.index(prior)
+    votes = 0
+    for vote in track(store.votes.all(), "votes"):
+        store.votes.index(vote)
+        votes += 1
+    tokens = store.tokens.reindex(context.now, TRIAL_PERIOD_S)
+    for prior in store.priors.all():
+        store.priors.index(prior)
     computed = {(item.pk, item.text) for item in modes}
     stale = {key for key in indexed if key not in recorder.written and _computed_of(key) not in computed}
     if not dry_run:
@@ -102,7 +96,7 @@ def reindex(
     consensuses = failed = 0
     chosen = None if only is None else set(only)
     wanted_modes = [] if dry_run else [mode for mode in modes if chosen is None or mode in chosen]
-    for request in context.track(wanted_modes, "consensuses", len(wanted_modes)):
+    for request in track(wanted_modes, "consensuses", len(wanted_modes)):
         refitted = refit(context, request)
         failed += refitted is None
         consensuses += refitted or 0
@@ -111,8 +105,8 @@ def reindex(
     return ReindexResult(
         calibrations=sum(modes.values()),
         published=published,
-        votes=cast,
-        tokens=issued,
+        votes=votes,
+        tokens=tokens,
         sessions=sessions,
         rigs=rigs,
         consensuses=consensuses,
@@ -127,11 +121,11 @@ def _publish_finished(context: OpsContext, *, dry_run: bool) -> int:
     This covers clients that never return.
     """
     if not dry_run:
-        for rig in context.track(context.store.rigs.all(), "rigs"):
+        for rig in track(context.store.rigs.all(), "rigs"):
             if rig.finish is not None:
                 endings.end_sessions(context.store, rig, context.now)
     published = 0
-    for session in context.track(context.store.sessions.all(), "sessions"):
+    for session in track(context.store.sessions.all(), "sessions"):
         finish = session.finish
         if finish is not None and context.store.calibrations.get(finish.calibration_id) is None:
             if not dry_run:

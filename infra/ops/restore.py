@@ -8,6 +8,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from calibdb.schema import CalibrationDocument, RigCalibrationDocument, VoteDocument
+from infra.console import track
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
 
@@ -28,23 +29,21 @@ def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[i
     read_calibrations = functools.partial(_lines, folder / CALIBRATIONS, CalibrationDocument)
     read_votes = functools.partial(_lines, folder / VOTES, VoteDocument)
     # Every line is read once before the first is stored.
-    calibrations = sum(1 for _ in context.track(read_calibrations(), "reading calibrations"))
-    votes = sum(1 for _ in context.track(read_votes(), "reading votes"))
+    calibrations = sum(1 for _ in track(read_calibrations(), "reading calibrations"))
+    votes = sum(1 for _ in track(read_votes(), "reading votes"))
     rigs = list(_lines(folder / RIGS, RigCalibrationDocument))
     if dry_run:
         return calibrations, votes
     modes = set()
-    for document in context.track(read_calibrations(), "calibrations", calibrations):
+    for document in track(read_calibrations(), "calibrations", calibrations):
         context.store.calibrations.publish(document)
         modes.add(reindex.mode_of(document))
-    for vote in context.track(read_votes(), "votes", votes):
+    for vote in track(read_votes(), "votes", votes):
         context.store.votes.cast(vote)
     for rig in rigs:
         context.store.rigs.publish(rig)
     ordered = sorted(modes, key=lambda mode: (mode.camera_key, mode.text))
-    failed = sum(
-        reindex.refit(context, mode) is None for mode in context.track(ordered, "consensuses", len(ordered))
-    )
+    failed = sum(reindex.refit(context, mode) is None for mode in track(ordered, "consensuses", len(ordered)))
     if failed:
         raise OpsError(f"of {failed} modes the consensus could not be computed; run `reindex`")
     return calibrations, votes

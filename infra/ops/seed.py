@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import FitRecord, PriorDocument
 from calibsolver import Camera, models
+from infra.console import track
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
 
@@ -71,7 +72,7 @@ def seed(
         groups[identity.key, row.fit.img_size, row.zoom, row.fit.distortion_model].append(row)
     priors = 0
     cameras = set()
-    for (key, _, zoom, _), members in context.track(groups.items(), path.name, len(groups)):
+    for (key, _, zoom, _), members in track(groups.items(), path.name, len(groups)):
         focals = sorted(_focal(row) for row in members)
         if focals[-1] > _MAX_FOCAL_RATIO * focals[0]:
             skipped["several lenses or modes under one name"] += len(members)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from infra.console import Output, track
+from infra.console import Output
 
 if TYPE_CHECKING:
     from calibdb.store.ports import JobName
@@ -46,7 +46,7 @@ def open_run(*, as_json: bool = False) -> Iterator[tuple[OpsContext, Output]]:
     from infra.ops.context import OpsContext
 
     with open_output(as_json=as_json) as output, _opened() as (environment, secret_known):
-        context = OpsContext.of(environment, secret_known=secret_known, echo=output.line, track=track)
+        context = OpsContext.of(environment, secret_known=secret_known, echo=output.line)
         yield context, output
 
 
@@ -97,12 +97,17 @@ def _opened() -> Iterator[tuple[Mapping[str, str], bool]]:
     missing = [name for name in ("TABLE_NAME", "BUCKET_NAME") if name not in os.environ]
     if missing:
         raise ValueError(f"storage is on AWS, but {' and '.join(missing)} do not say where")
-    own = {"SESSION_SECRETS": "none", "CONTRIBUTOR_SECRET": "none", "GUIDANCE_URL": "http://127.0.0.1:8000/"}
-    environment = {**own, "REFIT_FUNCTION": "refit", **os.environ}
+    environment = {
+        "SESSION_SECRETS": "none",
+        "CONTRIBUTOR_SECRET": "none",
+        "GUIDANCE_URL": "http://127.0.0.1:8000/",
+        "REFIT_FUNCTION": "refit",
+        **os.environ,
+    }
     storage = storage_of(Settings.from_environment(environment))
     # Consensuses are computed here: the operator sees what fails.
     here = Storage(storage.table, storage.objects, InlineJobs(), storage.site)
-    with variables_set({**own, **os.environ}), opened(here):
+    with variables_set(environment), opened(here):
         yield environment, "CONTRIBUTOR_SECRET" in os.environ
 
 

@@ -1,7 +1,8 @@
 """API tokens: creation, listing, rotation, revocation."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from secrets import token_hex
 from typing import Annotated
 from urllib.parse import urlsplit
 
@@ -22,12 +23,10 @@ TokenId = Annotated[str, typer.Argument(metavar="ID", help="As `token list` prin
 _ID_BYTES, _SECRET_BYTES = 8, 24
 
 
-def issue(
-    tokens: Tokens, origins: Sequence[str], plan: str, now: int, random_hex: Callable[[int], str]
-) -> str:
+def issue(tokens: Tokens, origins: Sequence[str], plan: str, now: int) -> str:
     """Store a new token under a random id and return it. Only its hash is stored."""
     while True:
-        token_id, secret = random_hex(_ID_BYTES), random_hex(_SECRET_BYTES)
+        token_id, secret = token_hex(_ID_BYTES), token_hex(_SECRET_BYTES)
         if tokens.create(ApiToken(token_id, secret_hash(secret), tuple(origins), plan, now)):
             return f"cdb_{token_id}_{secret}"
 
@@ -98,7 +97,7 @@ def create_token(
             _check(one)
         if plan not in PLANS:
             raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
-        _print_token(output, issue(context.store.tokens, origins, plan, context.now, context.random_hex))
+        _print_token(output, issue(context.store.tokens, origins, plan, context.now))
 
 
 @app.command("list")
@@ -188,7 +187,7 @@ def rotate_token(
             output.line(f"would get a new secret: {description}")
             return
         confirm(f"End the present secret in {grace:g} hours: {description}?", yes=yes)
-        secret = context.random_hex(_SECRET_BYTES)
+        secret = token_hex(_SECRET_BYTES)
         # Every earlier secret works until its own time ends, and for `grace` at most.
         context.store.tokens.update(
             token_id,

@@ -14,7 +14,7 @@ from calibdb.schema import CalibrationDocument, RigDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from calibdb.store.rigs import rig_calibration_object
-from infra.console import confirm
+from infra.console import confirm, track
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import replace_dumps
@@ -44,41 +44,11 @@ class ForgetResult:
         )
 
 
-def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
-    """Exclude a calibration from all consensuses, and recompute its own.
-
-    The calibration stays, with a tombstone next to it. False if it was withdrawn before.
-    """
-    document = _get(context, calibration_id)
-    done = context.store.calibrations.withdraw(document, reason, context.now)
-    _refit(context, reindex.mode_of(document))
-    return done
-
-
 def _get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
     document = context.store.calibrations.get(calibration_id)
     if document is None:
         raise OpsError(f"there is no calibration {calibration_id}")
     return document
-
-
-def _get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
-    document = _get(context, calibration_id)
-    tombstone = tombstone_object(calibration_id)
-    if tombstone is None or context.objects.get(tombstone) is None:
-        raise OpsError(f"{calibration_id} is not withdrawn")
-    return document, tombstone
-
-
-def restore(context: OpsContext, calibration_id: str) -> None:
-    """Include a withdrawn calibration again."""
-    document, tombstone = _get_withdrawn(context, calibration_id)
-    context.objects.purge_all_versions([tombstone])
-    mode = reindex.mode_of(document)
-    # Its item is marked, and marks are permanent: a new item is made.
-    context.remove_items([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
-    context.store.calibrations.index(document)
-    _refit(context, mode)
 
 
 def _find_contributor(context: OpsContext, start: str) -> str:
@@ -88,18 +58,6 @@ def _find_contributor(context: OpsContext, start: str) -> str:
     if len(matches) != 1:
         raise OpsError(f"{len(matches) or 'no'} contributors begin with {start}")
     return matches.pop()
-
-
-def _find_contributors_at(context: OpsContext, address: str, token_id: str | None) -> set[str]:
-    """Find the contributors at an IP address by their keyed hash, also with revoked tokens.
-
-    Addresses are not stored.
-    """
-    tokens = [token_id] if token_id else context.store.tokens.ids()
-    contributors = set(_contributors(context))
-    return {
-        contributor(context.settings.contributor_secret, address, token) for token in tokens
-    } & contributors
 
 
 def _find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
@@ -134,7 +92,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             context.objects.purge_all_versions([name])
 
     # Rigs and sessions first: what is published follows from them, and must not be published again.
-    for rig in list(context.track(context.store.rigs.all(), "rigs")):
+    for rig in list(track(context.store.rigs.all(), "rigs")):
         if _contributors_of_rig(rig) & contributors:
             if not dry_run:
                 context.store.rigs.purge(rig.rig)
@@ -143,7 +101,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
         if set(finished.contributors) & contributors:
             purge(rig_calibration_object(finished.id))
             counts["rigs"] += 1
-    for session in list(context.track(context.store.sessions.all(), "sessions")):
+    for session in list(track(context.store.sessions.all(), "sessions")):
         if _contributors_of(session) & contributors:
             if not dry_run:
                 context.store.sessions.purge(session.session)
@@ -154,7 +112,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
             purge(tombstone_object(document.id))
             affected.add(reindex.mode_of(document))
             counts["calibrations"] += 1
-    for vote in list(context.track(context.store.votes.all(), "votes")):
+    for vote in list(track(context.store.votes.all(), "votes")):
         if vote.contributor in contributors:
             purge(vote_object(vote.camera_key, vote.id))
             key = current_key(vote.camera_key, vote.camera, vote.platform)
@@ -214,11 +172,15 @@ def withdraw_calibrations(
 ) -> None:
     """Exclude calibrations from all consensuses."""
     with open_run() as (context, output):
-        for calibration_id in context.track(ids, "calibrations", len(ids)):
+        for calibration_id in track(ids, "calibrations", len(ids)):
+            document = _get(context, calibration_id)
             if dry_run:
-                _get(context, calibration_id)
                 output.line(f"would be withdrawn: {calibration_id}")
-            elif not withdraw(context, calibration_id, reason):
+                continue
+            # The calibration stays, with a tombstone next to it.
+            done = context.store.calibrations.withdraw(document, reason, context.now)
+            _refit(context, reindex.mode_of(document))
+            if not done:
                 output.line("it was withdrawn before")
 
 
@@ -226,7 +188,7 @@ def withdraw_calibrations(
 def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Remove the names that contributors gave to modes of cameras; the calibrations stay."""
     with open_run() as (context, output):
-        for calibration_id in context.track(ids, "calibrations", len(ids)):
+        for calibration_id in track(ids, "calibrations", len(ids)):
             name = _get(context, calibration_id).mode_name
             if dry_run:
                 output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
@@ -238,12 +200,20 @@ def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
 def restore_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
     """Include withdrawn calibrations again."""
     with open_run() as (context, output):
-        for calibration_id in context.track(ids, "calibrations", len(ids)):
+        for calibration_id in track(ids, "calibrations", len(ids)):
+            document = _get(context, calibration_id)
+            tombstone = tombstone_object(calibration_id)
+            if tombstone is None or context.objects.get(tombstone) is None:
+                raise OpsError(f"{calibration_id} is not withdrawn")
             if dry_run:
-                _get_withdrawn(context, calibration_id)
                 output.line(f"would be restored: {calibration_id}")
-            else:
-                restore(context, calibration_id)
+                continue
+            context.objects.purge_all_versions([tombstone])
+            mode = reindex.mode_of(document)
+            # Its item is marked, and marks are permanent: a new item is made.
+            context.remove_items([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
+            context.store.calibrations.index(document)
+            _refit(context, mode)
 
 
 @contributor_app.callback()
@@ -299,6 +269,9 @@ def _find(
         raise OpsError("name either a contributor, an address, or a receipt")
     if not context.secret_known:
         raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
-    if matches := _find_contributors_at(context, address, token):
+    # Addresses are not stored: it is hashed again, also with revoked tokens.
+    tokens = [token] if token else context.store.tokens.ids()
+    hashes = {contributor(context.settings.contributor_secret, address, each) for each in tokens}
+    if matches := hashes & _contributors(context):
         return matches
     raise OpsError("nothing came from there")

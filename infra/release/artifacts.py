@@ -27,7 +27,7 @@ def build() -> list[Path]:
     name = f"calibdb-{version()}"
     parts = {
         "archive the source": lambda: _source(name),
-        "pack the SDK": _sdk,
+        "pack the SDK": lambda: (RELEASE / f"{name}.tgz").write_bytes(sdk_package(WEB, version())),
         "build the layers": lambda: _layers(name),
         "build the wheels": lambda: wheels.build(RELEASE),
         "write notes and checksums": _summaries,
@@ -40,10 +40,6 @@ def build() -> list[Path]:
 def _source(name: str) -> None:
     archive = RELEASE / f"{name}-source.tar.gz"
     _run("git", "archive", "--format=tar.gz", f"--prefix={name}/", f"--output={archive}", "HEAD")
-
-
-def _sdk() -> None:
-    (RELEASE / f"calibdb-{version()}.tgz").write_bytes(sdk_package(WEB, version()))
 
 
 def _layers(name: str) -> None:

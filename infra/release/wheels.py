@@ -16,7 +16,7 @@ PROJECTS = (ROOT / "clients" / "python", ROOT / "layers" / "solver")
 _FOLDERS = ("functions", "infra/ops", "infra/server", "infra/web_build")
 _FILES = ("infra/console.py", "infra/release/__init__.py", "infra/release/changelog.py")
 _GROUPS = ("service", "solver", "server", "ops")
-_NOT_NEEDED = ("boto", "mangum", "markdown-it-py", "pygments")  # on AWS, and to build the site
+_NOT_NEEDED = ("boto", "jinja2", "mangum", "markdown-it-py", "pygments")  # on AWS, and to build the site
 _PROJECT = """
 [build-system]
 requires = ["flit_core>=3.12,<4"]
@@ -39,7 +39,7 @@ calibdb-ops = "calibdb_server:operate"
 def build(target: Path) -> list[Path]:
     """Build all wheels into a folder; return their paths. Raises SiteError if the site cannot be built."""
     # flit gives all files of a wheel this time: the same commit makes the same bytes.
-    os.environ.setdefault("SOURCE_DATE_EPOCH", git(ROOT, "log", "-1", "--format=%ct").strip())
+    os.environ.setdefault("SOURCE_DATE_EPOCH", git("log", "-1", "--format=%ct").strip())
     built = [make_wheel_in(project / "pyproject.toml", target).file for project in PROJECTS]
     return [*built, build_server(target)]
 
@@ -57,7 +57,8 @@ def build_server(target: Path) -> Path:
         for name in _FILES:
             (library / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, library / name)
-        shutil.copytree(site.WEB, library / "web", ignore=shutil.ignore_patterns("node_modules"))
+        unserved = shutil.ignore_patterns("node_modules", *site.SOURCE_FOLDERS)
+        shutil.copytree(site.WEB, library / "web", ignore=unserved)
         site.build_for_wheel(library / site.MADE_FILES.name)
         _precompress(library / "web", library / site.MADE_FILES.name)
         program = (ROOT / "infra" / "release" / "server_program.py").read_text(encoding="utf-8")

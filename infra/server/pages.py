@@ -126,6 +126,8 @@ class Pages:
             path = path.resolve()
             if self._folder not in path.parents:
                 return None
+            if path.relative_to(self._folder).parts[0] in site.SOURCE_FOLDERS:
+                return None
             is_folder = f"{key}/index.html" in self._made or (path / "index.html").is_file()
             is_file = path.is_file()
         except (OSError, ValueError):  # no file can have this name
@@ -180,7 +182,5 @@ class PublicObjects:
             return Response(content, status, described, JSON)
         content, tag = version
         kind, cache_control = self._objects.headers(name)
-        described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache"}
-        if Headers(scope=scope).get("if-none-match") == f'"{tag}"':
-            return Response(status_code=304, headers=described)
-        return Response(content, 200, described, kind)
+        described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache", "content-type": kind}
+        return _File(content, None, described).response(Headers(scope=scope))

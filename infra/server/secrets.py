@@ -14,15 +14,12 @@ _WAY_ON = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Secrets:
     """Keys that sign session ids and hash contributors."""
 
     session: str
     contributor: str
-
-    def __repr__(self) -> str:
-        return "Secrets(…)"
 
 
 def generate() -> Secrets:

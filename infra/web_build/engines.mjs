@@ -43,21 +43,27 @@ const withoutStrings = {
   },
 };
 
+/** Bundles what a few lines of code export. @param {import("esbuild").BuildOptions} [options] others than the usual */
+export const bundle = (stdin, outfile, options = {}) =>
+  build({
+    stdin,
+    outfile,
+    bundle: true,
+    minify: true,
+    format: "esm",
+    define: { "process.env.NODE_ENV": '"production"', INSPECTOR_VERSION: '""' },
+    logLevel: "error",
+    ...options,
+  });
+
 export async function vendorEngines(folder) {
   const outdir = `${folder}engines`;
   mkdirSync(outdir, { recursive: true });
   for (const [name, contents] of Object.entries(ENGINES)) {
     const file = NAMES[name];
-    await build({
-      stdin: { contents, resolveDir: modules, sourcefile: `${file}.js` },
-      outfile: `${outdir}/${file}.js`,
-      bundle: true,
-      minify: true,
-      format: "esm",
-      define: { "process.env.NODE_ENV": '"production"', INSPECTOR_VERSION: '""' },
+    await bundle({ contents, resolveDir: modules, sourcefile: `${file}.js` }, `${outdir}/${file}.js`, {
       plugins: [withoutStrings],
       inject: file === "aframe" ? [buffer] : [],
-      logLevel: "error",
     });
     const names = [...contents.matchAll(/export \{([^}]*)\}/g)].flatMap(([, list]) => list.split(","));
     const types =

@@ -1,4 +1,5 @@
 // Frame of every page around its own content: skip link, header with navigation, footer, languages, preloads.
+import { readFileSync } from "node:fs";
 import { LANGUAGES } from "../../web/lib/i18n.js";
 
 /**
@@ -7,177 +8,110 @@ import { LANGUAGES } from "../../web/lib/i18n.js";
  * @property {import("../../web/lib/i18n.js").Language} language
  * @property {boolean} translated is there a page for each language?
  * @property {Set<string>} pages keys of all pages in English
- * @property {Set<string>} inAllLanguages those of them that are translated
  * @property {string} origin "https://calibdb.example", or "" where it is not known
- * @property {Record<string, string>} contacts addresses of the operator: "contact", "imprint", "source"
- * @property {string[]} preloads paths of modules, from the root
+ * @property {string} code address of the source code, or ""
  */
-
-/** Groups and links of the navigation: [message, page] or [message, [[message, page], …]]. */
-const NAVIGATION = [
-  [
-    "common.calibrate",
-    [
-      ["common.webcam", "calibrate/"],
-      ["common.photos_video", "photos/"],
-      ["common.import_file", "import/"],
-      ["common.board", "board/"],
-    ],
-  ],
-  ["common.cameras", "cameras/"],
-  ["common.mine", "mine/"],
-  ["common.docs", "docs/"],
-  ["common.examples", "examples/"],
-];
-const FOOTER = [
-  ["common.docs", "docs/"],
-  ["common.api", "docs/api/"],
-  ["common.developers", "developers/"],
-  ["common.data", "data/"],
-  ["common.privacy", "privacy/"],
-  ["common.terms", "terms/"],
-  ["common.status", "status/"],
-];
-const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
 
 /** The address of a page, from the root. */
 export function addressOf(key, language) {
   return `/${language === "en" ? "" : `${language}/`}${key.replace(/(^|\/)index\.html$/, "$1")}`;
 }
 
-/** Puts the common parts into a page. */
-export function frame(document, place) {
-  head(document, place);
+/** HTML that several pages share. */
+const part = (name) => readFileSync(new URL(`../../web/templates/parts/${name}.html`, import.meta.url), "utf8").trim();
+
+/** Puts the common parts into a page, and for each `<div data-part="consent">` the part of that name. */
+export function frame(document, { key, language, translated, pages, code }) {
   const header = document.querySelector("header.masthead");
-  if (header) header.outerHTML = masthead(place);
-  const select = document.querySelector("header.rim > #language");
-  if (select && place.translated) select.outerHTML = languageSelect(place.language);
+  if (header) header.outerHTML = part("masthead");
   // Where one looks through a camera there is no room for more than the way back.
   document
     .querySelector("header.rim > .brand")
-    ?.insertAdjacentHTML("afterend", `<a class="back" href="${toPage("", place)}" data-t="common.back"></a>`);
+    ?.insertAdjacentHTML("afterend", '<a class="back" href="/" data-t="common.back"></a>');
   // The result of a capture is read like any page.
+  const navigation = part("navigation").replace("<nav", '<nav class="site"');
   if (document.getElementById("done"))
-    document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation(place, "site"));
-  document.querySelector(".page")?.insertAdjacentHTML("beforeend", foot(place));
+    document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation);
+  document.querySelector(".page")?.insertAdjacentHTML("beforeend", part("foot"));
+  for (const place of document.querySelectorAll("[data-part]")) place.outerHTML = part(place.dataset.part);
+
+  for (const link of document.querySelectorAll(":is(.masthead, .site, .foot) a[href^='/']")) {
+    const page = `${link.getAttribute("href").slice(1)}index.html`;
+    if (!pages.has(page) && !link.matches(".brand")) (link.closest("li") ?? link).remove();
+    if (page === key && !link.closest(".foot")) link.setAttribute("aria-current", "page");
+  }
+  const source = document.querySelector(".foot a[data-t='common.source']");
+  if (code) source?.setAttribute("href", code);
+  else source?.closest("li").remove();
+  document.querySelector(".menu:has([aria-current]) > summary")?.setAttribute("class", "within");
+  const select = document.querySelector("header > #language");
+  select?.setAttribute("data-t-label", "common.language");
+  if (translated) offerLanguages(document, select, key, language);
+  else select?.remove();
   skipLink(document);
 }
 
-function head(document, { key, language, translated, origin, preloads }) {
+function offerLanguages(document, select, key, language) {
+  for (const [code, name] of Object.entries(LANGUAGES)) {
+    const isSpoken = code === language;
+    const option = `<option value="${code}" lang="${code}"${isSpoken ? " selected" : ""}>${name}</option>`;
+    select?.insertAdjacentHTML("beforeend", option);
+    if (isSpoken) continue;
+    const address = `${addressOf(key, code)}${code === "en" ? "?lang=en" : ""}`;
+    const link = `<li><a href="${address}" lang="${code}" hreflang="${code}">${name}</a></li>`;
+    document.querySelector(".foot > .languages")?.insertAdjacentHTML("beforeend", link);
+  }
+}
+
+/** Completes a page's head. `preloads`: keys of modules. */
+export function head(document, { key, language, translated, origin }, preloads) {
   const classic = [
     ...(translated ? ["language"] : []),
     ...(document.querySelector("script[type=module]") ? ["arrival"] : []),
   ];
-  const first = [
+  const viewport = '<meta name="viewport" content="width=device-width, initial-scale=1">';
+  insert(document.head, "afterbegin", [
     '<meta charset="utf-8">',
-    ...(document.querySelector("meta[name=viewport]")
-      ? []
-      : ['<meta name="viewport" content="width=device-width, initial-scale=1">']),
+    ...(document.querySelector("meta[name=viewport]") ? [] : [viewport]),
     ...classic.map((name) => `<script src="/${name}.js"></script>`),
-  ];
-  document.head.insertAdjacentHTML("afterbegin", first.map((line) => `\n  ${line}`).join(""));
-  const about = document.querySelector("meta[name=description]") ?? document.querySelector("title");
-  about?.insertAdjacentHTML(
-    "afterend",
-    '\n  <link rel="icon" href="/icon.svg" type="image/svg+xml">\n  <link rel="stylesheet" href="/style.css">',
-  );
-  for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
-  const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
+  ]);
+  const description = document.querySelector("meta[name=description]");
+  insert(description ?? document.querySelector("title"), "afterend", [
+    '<link rel="icon" href="/icon.svg" type="image/svg+xml">',
+    '<link rel="stylesheet" href="/style.css">',
+  ]);
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
-  const hasHeader = document.querySelector("header.masthead");
-  const lines = [
-    '<link rel="manifest" href="/manifest.json">',
-    ...alphabets.map(
-      (name) =>
-        `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`,
-    ),
-    ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`),
-    ...(hasHeader ? ['<script type="module" src="/lib/header.js"></script>'] : []),
-    ...addresses(key, language, translated, origin),
-  ];
   const social = [
     ["og:type", "website"],
     ["og:site_name", "calibDB"],
     ["og:image", origin && `${origin}/social.png`],
     ["og:title", document.title],
-    ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],
-  ]
-    .filter(([name, content]) => content && !document.querySelector(`meta[property="${name}"]`))
-    .map(([name, content]) => `<meta property="${name}" content="${escape(content)}">`);
-  style?.insertAdjacentHTML("afterend", [...lines, ...social].map((line) => `\n  ${line}`).join(""));
+    ["og:description", description?.getAttribute("content")],
+  ];
+  insert([...document.querySelectorAll("link[rel=stylesheet]")].at(-1), "afterend", [
+    '<link rel="manifest" href="/manifest.json">',
+    ...alphabets.map(
+      (name) =>
+        `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`,
+    ),
+    ...[...preloads].map((path) => `<link rel="modulepreload" href="/${path}">`),
+    ...(document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : []),
+    ...(key.endsWith("index.html") ? languageLinks(key, language, translated, origin) : []),
+    ...social
+      .filter(([, content]) => content)
+      .map(([name, content]) => `<meta property="${name}" content="${escape(content)}">`),
+  ]);
 }
 
+const insert = (element, place, lines) =>
+  element?.insertAdjacentHTML(place, lines.map((line) => `\n  ${line}`).join(""));
+
 /** Links to the page in each language. Without an origin they are from the root, which search engines ignore. */
-function addresses(key, language, translated, origin) {
-  if (!key.endsWith("index.html")) return [];
+function languageLinks(key, language, translated, origin) {
   const canonical = `<link rel="canonical" href="${origin}${addressOf(key, language)}">`;
   if (!translated) return [canonical];
   const alternate = (name, code) => `<link rel="alternate" hreflang="${name}" href="${origin}${addressOf(key, code)}">`;
   return [canonical, ...Object.keys(LANGUAGES).map((code) => alternate(code, code)), alternate("x-default", "en")];
-}
-
-/** Path from this page to another one in the same language. */
-function toPage(page, { key, inAllLanguages, translated }) {
-  // 404.html is shown at any address.
-  if (!key.endsWith("index.html") || !translated || !inAllLanguages.has(`${page}index.html`)) return `/${page}`;
-  return `${"../".repeat(key.split("/").length - 1) || "./"}${page}`;
-}
-
-function masthead(place) {
-  const current = place.key === "index.html" ? ' aria-current="page"' : "";
-  return `<header class="masthead">
-      <a class="brand" href="${toPage("", place)}"${current}>calibDB</a>
-      ${navigation(place)}
-      ${place.translated ? languageSelect(place.language) : ""}
-    </header>`;
-}
-
-function navigation(place, name = "") {
-  const here = place.key.replace(/index\.html$/, "");
-  const item = ([message, page]) =>
-    `<a href="${toPage(page, place)}"${here === page ? ' aria-current="page"' : ""} data-t="${message}"></a>`;
-  const there = ([, page]) => place.pages.has(`${page}index.html`);
-  const parts = NAVIGATION.map(([message, target]) => {
-    if (typeof target === "string") return there([message, target]) ? item([message, target]) : "";
-    const inside = target.some(([, page]) => page === here) ? ' class="within"' : "";
-    const links = target
-      .filter(there)
-      .map((one) => `<li>${item(one)}</li>`)
-      .join("");
-    const summary = `<summary${inside}><span data-t="${message}"></span></summary>`;
-    return `<details class="menu">${summary}<ul>${links}</ul></details>`;
-  });
-  return `<nav${name && ` class="${name}"`} aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>`;
-}
-
-function languageSelect(spoken) {
-  const options = Object.entries(LANGUAGES).map(
-    ([code, name]) => `<option value="${code}" lang="${code}"${code === spoken ? " selected" : ""}>${name}</option>`,
-  );
-  const labels = 'data-t-label="common.language" aria-label="Language"';
-  return `<select class="language" id="language" ${labels}>${options.join("")}</select>`;
-}
-
-function foot(place) {
-  const links = FOOTER.filter(([, page]) => place.pages.has(`${page}index.html`)).map(
-    ([message, page]) => `<li><a href="${toPage(page, place)}" data-t="${message}"></a></li>`,
-  );
-  const outside = Object.entries(OPERATORS)
-    .filter(([name]) => place.contacts[name])
-    .map(([name, message]) => `<li><a href="${escape(place.contacts[name])}" data-t="${message}"></a></li>`);
-  const languages = place.translated
-    ? Object.entries(LANGUAGES)
-        .filter(([code]) => code !== place.language)
-        .map(([code, name]) => {
-          const address = `${addressOf(place.key, code)}${code === "en" ? "?lang=en" : ""}`;
-          return `<li><a href="${address}" lang="${code}" hreflang="${code}">${name}</a></li>`;
-        })
-    : [];
-  return `<footer class="foot">
-      <nav aria-label="Footer" data-t-label="common.footer"><ul>${[...links, ...outside].join("")}</ul></nav>
-      <ul class="languages">${languages.join("")}</ul>
-      <p><span data-t="common.licence"></span> <span data-t="common.method"></span></p>
-    </footer>`;
 }
 
 function skipLink(document) {

@@ -78,10 +78,6 @@ def _models(operations: Sequence[Operation]) -> tuple[list[type[BaseModel]], lis
 
 
 def _operation(operation: Operation, names: Any, example: Any) -> Node:
-    def reference(model: type[BaseModel], mode: JsonSchemaMode) -> Node:
-        node: Node = names[(model, mode)]
-        return node
-
     limited = RATE_LIMITED if set(operation.credentials) & {"apiToken", "sessionId"} else ()
 
     def answer(content: Content) -> Node:
@@ -89,7 +85,7 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
         if content.model or content.pictures:
             media: Node = {picture: {} for picture in content.pictures}
             if content.model:
-                shown = [reference(one, "serialization") for one in (content.model, content.other) if one]
+                shown = [names[one, "serialization"] for one in (content.model, content.other) if one]
                 media[content.media_type] = {"schema": {"anyOf": shown} if len(shown) > 1 else shown[0]}
             node["content"] = media
         always = {name: {"schema": {"type": "string"}, "required": True} for name in content.headers}
@@ -98,7 +94,7 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
             node["headers"] = always | some
         return node
 
-    problem = {PROBLEM: {"schema": reference(schema.Problem, "serialization")}}
+    problem = {PROBLEM: {"schema": names[schema.Problem, "serialization"]}}
     responses = {status: answer(content) for status, content in operation.answers.items()}
     responses |= {
         status: {"description": PROBLEMS[status], "content": problem} for status in operation.all_problems
@@ -116,11 +112,17 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
     if operation.parameters:
         node["parameters"] = list(operation.parameters)
     if operation.body:
-        content = {JSON: {"schema": reference(operation.body, "validation"), "example": operation.example}}
+        content = {JSON: {"schema": names[operation.body, "validation"], "example": operation.example}}
         node["requestBody"] = {"required": operation.body_required, "content": content}
     if operation.credentials:
         node["security"] = [{name: []} for name in operation.credentials]
     return node
+
+
+def node(operation: Operation) -> Node:
+    """Return the description of a call in the document."""
+    described: Node = document()["paths"][operation.path][operation.method]
+    return described
 
 
 def text() -> str:

@@ -3,8 +3,10 @@
 Parameters of a query are generated from the pydantic models that the functions parse queries with.
 """
 
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -12,6 +14,7 @@ from pydantic import AliasChoices, BaseModel
 
 from calibdb.http.call import MAX_BODY_BYTES
 
+_TEXTS = Path(__file__).resolve().parents[2] / "web" / "templates" / "docs"
 Node = dict[str, Any]
 JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
 SVG = "image/svg+xml"
@@ -37,6 +40,10 @@ _GROUPS = {
     "/v1/checks": "Capture",
 }
 """Groups by the beginnings of paths; all other calls are of the database."""
+
+TOKEN = "cdb_dev_local"  # noqa: S105 - that of local stacks; pages put the visitor's in its place
+CREDENTIALS = {"apiToken": TOKEN, "sessionId": "SESSION_ID", "managementToken": "MANAGEMENT_TOKEN"}
+"""Placeholders of credentials in examples, by their names in the OpenAPI document."""
 
 PROBLEMS = {
     400: "The body is not JSON.",
@@ -82,7 +89,6 @@ class Operation:
     parameters: tuple[Node, ...] = ()
     problems: tuple[int, ...] = ()  # besides those of every call, of a credential and of a body
     body_required: bool = True
-    description: str = ""
     example: Any = None  # body of a request
     example_query: Mapping[str, str] = field(default_factory=dict)
     example_path: Mapping[str, str] = field(default_factory=dict)
@@ -94,6 +100,32 @@ class Operation:
         return next((tag for start, tag in _GROUPS.items() if self.path.startswith(start)), "Database")
 
     @property
+    def description(self) -> str:
+        """Description of the call, in Markdown."""
+        return texts("calls.md")[self.name][0]
+
+    @property
+    def signature(self) -> str:
+        """Method and path."""
+        return f"{self.method.upper()} {self.path}"
+
+    @property
+    def example_values(self) -> Mapping[str, str]:
+        """Values of the example's parameters, without those of ids."""
+        return {**self.example_query, **self.example_path}
+
+    @property
+    def example_address(self) -> str:
+        """Path of the example, with placeholders of ids."""
+        identity = "RIG_ID" if self.tag == "Rigs" else "CALIBRATION_ID"
+        return self.path.format(**{"id": identity, "key": "CAMERA_KEY", **self.example_path})
+
+    @property
+    def example_credential(self) -> str | None:
+        """Placeholder of the example's credential."""
+        return next((CREDENTIALS[name] for name in self.credentials if name in CREDENTIALS), None)
+
+    @property
     def all_problems(self) -> set[int]:
         """Statuses of all problems that the call can have."""
         problems = {500, 503, *self.problems}
@@ -102,6 +134,16 @@ class Operation:
         if self.body:
             problems |= {400, 413, 422}
         return problems - self.answers.keys()
+
+
+def texts(name: str) -> dict[str, list[str]]:
+    """Return the paragraphs under each heading of `web/templates/docs/NAME`, in Markdown."""
+    _, *parts = re.split(r"^## (.+)$", (_TEXTS / name).read_text(encoding="utf-8"), flags=re.MULTILINE)
+    paragraphs = [part.strip().split("\n\n") for part in parts[1::2]]
+    return {
+        heading: [" ".join(each.split()) for each in below]
+        for heading, below in zip(parts[::2], paragraphs, strict=True)
+    }
 
 
 SWITCH: Node = {"type": "string", "enum": ["0", "1", "false", "true"]}

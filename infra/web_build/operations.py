@@ -1,5 +1,7 @@
 """The calls of the API: requests, responses and problems, for `infra.web_build.openapi`.
 
+Their descriptions are in `web/templates/docs/calls.md`.
+
 In the example requests `SESSION_ID`, `MANAGEMENT_TOKEN`, `CALIBRATION_ID`, `RIG_ID` and `CAMERA_KEY` stand
 for values from earlier responses. `infra.web_build.recorded_examples` sends the requests and records the
 responses.
@@ -103,13 +105,6 @@ _RIGS = (
         _SESSION,
         schema.RigRequest,
         problems=(404, 409),
-        description=(
-            "Creates a rig of two to eight cameras. The session, which has no views yet, is camera 0 and "
-            "leads. Other cameras join with `POST /v1/session` and `rig: {code, position?}`, from any "
-            "device. The code is valid for 15 minutes and until all cameras have joined; the same request "
-            "again returns the same rig and a fresh code. The board must not look the same after half a "
-            "turn. With `square_size` lengths are in metres."
-        ),
         example={"cameras": 2, "square_size": 0.03},
     ),
     Operation(
@@ -121,11 +116,6 @@ _RIGS = (
         ("sessionId", "apiToken"),
         parameters=(_RIG_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
         problems=(404, 409, 422),
-        description=(
-            "Returns the state of a rig: its cameras, its moments and what is set aside of them, the "
-            "expected error, and the next pose of the board as each camera sees it. Poll once a second "
-            "with `If-None-Match`: 304 does not count against the plan."
-        ),
     ),
     Operation(
         "delete",
@@ -136,7 +126,6 @@ _RIGS = (
         _SESSION,
         parameters=(_RIG_ID,),
         problems=(404, 409),
-        description="Deletes a running rig with the sessions of its cameras. A finished rig stays.",
     ),
     Operation(
         "post",
@@ -148,11 +137,6 @@ _RIGS = (
         schema.MomentRequest,
         parameters=(_RIG_ID,),
         problems=(404, 409),
-        description=(
-            "Opens a moment: one pose of the board, held still, under an id that the leader chooses. Each "
-            "camera then sends its view of it with `POST /v1/session/views` and `moment`, at any later "
-            "time. A rig has at most 100 moments."
-        ),
         example={"moment": "m1"},
     ),
     Operation(
@@ -164,7 +148,6 @@ _RIGS = (
         _SESSION,
         parameters=(_RIG_ID, _MOMENT),
         problems=(404, 409, 422),
-        description="Undoes a moment. Its views are removed from all cameras, and late ones are refused.",
         example_path={"moment": "m1"},
     ),
     Operation(
@@ -176,10 +159,6 @@ _RIGS = (
         _SESSION,
         parameters=(_RIG_ID,),
         problems=(404, 409),
-        description=(
-            "Ends a rig whose cameras are all linked and have four agreeing views. Each camera's session is "
-            "published as a calibration; the rig contains their poses."
-        ),
     ),
     Operation(
         "get",
@@ -202,10 +181,6 @@ _RIGS = (
             ),
         ),
         problems=(404, 409, 422),
-        description=(
-            "Returns the cameras as they were fitted together, and the pose of each relative to camera 0. "
-            "`format` chooses files of OpenCV (`opencv_stereo`), ROS, Kalibr, COLMAP, mrcal or glTF."
-        ),
     ),
 )
 
@@ -218,12 +193,6 @@ _TOKENS = (
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
         body=schema.TokenRequest,
         problems=(403, 415, 429),
-        description=(
-            "Creates an API token for pages of some origins, and for programs. Origins of the machine "
-            "itself, such as `http://localhost`, need no proof. For an `https://` origin the response "
-            "contains the proof to place there. The token and its management token are shown only once. "
-            "One source can create five per day."
-        ),
         example={"origins": ["http://localhost", "https://page.example"], "name": "My page"},
     ),
     Operation(
@@ -233,10 +202,6 @@ _TOKENS = (
         "Facts about a token, its limits, and its use by hour and day",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
-        description=(
-            "Returns the facts about a token, its limits, and its use by hour for two days and "
-            "by day for thirty."
-        ),
     ),
     Operation(
         "patch",
@@ -246,7 +211,6 @@ _TOKENS = (
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
         schema.TokenChange,
-        description="Replaces the origins or the name of a token. Origins that stay keep their state.",
         example={"origins": ["http://localhost", "https://www.page.example"]},
     ),
     Operation(
@@ -256,7 +220,6 @@ _TOKENS = (
         "Revoke a token for good, within a minute",
         {204: Content("Revoked.")},
         _MANAGEMENT,
-        description="Revokes a token for good, within a minute. The call is idempotent.",
     ),
     Operation(
         "post",
@@ -265,10 +228,6 @@ _TOKENS = (
         "Look for the proofs of the origins that are pending",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
-        description=(
-            "Looks for the proofs of all pending origins, at `https://<origin>/.well-known/calibdb.txt`. "
-            "`failure` and `detail` of an origin explain what is missing."
-        ),
     ),
     Operation(
         "post",
@@ -279,10 +238,6 @@ _TOKENS = (
         _MANAGEMENT,
         schema.RotationRequest,
         body_required=False,
-        description=(
-            "Issues another secret, which is shown only once. The previous one works for another day, "
-            "or for `grace_s` seconds; 0 ends all earlier secrets."
-        ),
         example={"grace_s": 3600},
     ),
     Operation(
@@ -292,10 +247,6 @@ _TOKENS = (
         "Limits and use of an API token in this hour",
         {200: Content("Limits and use.", schema.UsageAnswer)},
         _TOKEN,
-        description=(
-            "Returns the limits of an API token's plan, and its use in this hour by all users and "
-            "from your address. It counts as a lookup."
-        ),
     ),
 )
 
@@ -307,10 +258,6 @@ OPERATIONS = (
         "Exchange an API token for the credential of one guided capture",
         {201: Content("A session id, signed and short-lived.", schema.SessionOpened)},
         _TOKEN,
-        description=(
-            "Exchanges an API token for a session id, the signed credential of one guided capture. "
-            "It is valid for 30 minutes. All calls of that capture use it instead of the token."
-        ),
     ),
     Operation(
         "post",
@@ -321,12 +268,6 @@ OPERATIONS = (
         _SESSION,
         schema.SessionRequest,
         problems=(409,),
-        description=(
-            'Starts the capture of one camera at one size and zoom. Use `capture: "recorded"` for views '
-            "that exist already: photos, a video, or another program's corners. Then every agreeing view "
-            "counts, and `POST /v1/session/finish` ends the session. The call is idempotent; different "
-            "content is 409."
-        ),
         example={**EXAMPLE_KEY, "board": EXAMPLE_BOARD},
     ),
     Operation(
@@ -337,10 +278,6 @@ OPERATIONS = (
         {200: _STATE},
         _SESSION,
         problems=(404,),
-        description=(
-            "Returns the session's state: its views, its progress, the current calibration and its expected "
-            "error."
-        ),
     ),
     Operation(
         "delete",
@@ -350,7 +287,6 @@ OPERATIONS = (
         {204: Content("Forgotten.")},
         _SESSION,
         problems=(404, 409),
-        description="Ends the session and deletes its views. A published calibration stays.",
     ),
     Operation(
         "get",
@@ -367,11 +303,6 @@ OPERATIONS = (
         _SESSION,
         parameters=(query("skip", SWITCH, "`1`: a pose of another kind instead of the open one."),),
         problems=(404, 406, 409, 422),
-        description=(
-            "Returns the target pose of the board, which stays the same until a view answers it. `Accept` "
-            "chooses between an image to lay over the video (JPEG, PNG) and numbers. 409 once the session "
-            "has converged."
-        ),
         example_accept="application/json",
     ),
     Operation(
@@ -383,12 +314,6 @@ OPERATIONS = (
         _SESSION,
         schema.ViewRequest,
         problems=(404, 409),
-        description=(
-            "Submits the board's corners in one frame: their ids, and their positions in px, where "
-            "the centre of the top-left pixel is (0, 0). At least six, not all on a line. `accepted` "
-            "is true if the view became part of the session; otherwise `reason` explains the refusal. "
-            "The call is idempotent."
-        ),
         example={"index": 0, **_VIEW},
     ),
     Operation(
@@ -400,11 +325,6 @@ OPERATIONS = (
         _SESSION,
         schema.BatchRequest,
         problems=(404, 409),
-        description=(
-            "Submits several views of a session that was started with `capture: recorded`. The service "
-            "judges them in their order and returns a result for each. If a view has invalid fields, no "
-            "view is judged, and `errors` has an entry for each invalid view."
-        ),
         example={"index": 0, "views": [_VIEW]},
     ),
     Operation(
@@ -418,7 +338,6 @@ OPERATIONS = (
             path("index", "Index of the view.", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}),
         ),
         problems=(404, 409, 422),
-        description="Removes a view from the session. Its index is not used again.",
         example_path={"index": "0"},
     ),
     Operation(
@@ -429,10 +348,6 @@ OPERATIONS = (
         {200: _STATE},
         _SESSION,
         problems=(404, 409),
-        description=(
-            "Ends a session with the views that agree, publishes the calibration, and returns the state. "
-            "At least four views must agree. The call is idempotent."
-        ),
     ),
     Operation(
         "post",
@@ -443,10 +358,6 @@ OPERATIONS = (
         _SESSION,
         schema.LicenceRequest,
         problems=(404, 409),
-        description=(
-            "Adds the licence to a session and to the calibration that it published. A licence cannot be "
-            "withdrawn or replaced."
-        ),
         example={"licence": "CC0-1.0", "licence_version": "2026-11-22"},
     ),
     Operation(
@@ -458,13 +369,6 @@ OPERATIONS = (
         _TOKEN,
         schema.LookupRequest,
         (_REDIRECT,),
-        description=(
-            "Returns the calibration of a camera: its camera matrix, its distortion, and how far to trust "
-            'them. Name the camera as the browser does. If nothing reliable is known, `miss: "ok"` returns '
-            "200 with `calibration: null`, the `reason`, an `estimate`, and the `guidance_url` of the page "
-            "that calibrates the camera. `redirect: false` returns 404 with the same. Otherwise the "
-            "response is a redirect to that page, which `fetch()` cannot read."
-        ),
         example={**EXAMPLE_KEY, "zoom": 0, "miss": "ok"},
     ),
     Operation(
@@ -476,11 +380,6 @@ OPERATIONS = (
         ("apiToken", "apiTokenInQuery", "apiTokenInOldQuery"),
         parameters=_LOOKUP,
         problems=(422,),
-        description=(
-            "Same as `POST /v1/lookup`, with the names as query parameters. A browser can navigate to it "
-            "with the API token in `key`. If nothing reliable is known, it is redirected to the guidance "
-            "page."
-        ),
         example_query={
             "camera": EXAMPLE_CAMERA,
             "platform": EXAMPLE_PLATFORM,
@@ -509,11 +408,6 @@ OPERATIONS = (
             *query_of(schema.ExportQuery),
         ),
         problems=(404, 410, 422),
-        description=(
-            "Returns a stored calibration with the report of its session, or a consensus. `format` returns "
-            "another tool's file; `crop`, `resize`, `rotate` and `mirror` convert it to a changed image. "
-            "`without` refits the calibration without some views and stores nothing."
-        ),
     ),
     Operation(
         "post",
@@ -531,11 +425,6 @@ OPERATIONS = (
         },
         _TOKEN,
         body=schema.ConvertRequest,
-        description=(
-            "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, "
-            "mrcal, Gyroflow and others) and returns the file in `format`. Nothing is stored. Files above "
-            "100,000 characters are refused. Only `photonvision` keeps the corners of a file."
-        ),
         example={"file": EXAMPLE_FILE, "format": "kalibr"},
     ),
     Operation(
@@ -553,11 +442,6 @@ OPERATIONS = (
         _SESSION,
         schema.CheckRequest,
         problems=(404,),
-        description=(
-            "Compares the stored consensus of a camera with one to five fresh views, and counts the "
-            "result as a vote. Only the poses are fitted to the views. With `calibration` it compares that "
-            "calibration with a fit of the views instead, without a vote. The session need not be started."
-        ),
         example={**EXAMPLE_KEY, "views": [_VIEW]},
     ),
     Operation(
@@ -569,10 +453,6 @@ OPERATIONS = (
         _TOKEN,
         parameters=query_of(CamerasRequest),
         problems=(422,),
-        description=(
-            "Finds cameras by name: each word of `query` must begin a word of the name. "
-            "Without a query it lists all cameras. Pass `next` as `after` for the following page."
-        ),
         example_query={"query": "c920"},
     ),
     Operation(
@@ -584,10 +464,6 @@ OPERATIONS = (
         _TOKEN,
         parameters=(path("key", "As a search returned it."),),
         problems=(404,),
-        description=(
-            "Returns everything that is known about a camera: by size and zoom, the calibrations, "
-            "the groups in which they agree, and the consensus of each model."
-        ),
     ),
     Operation(
         "get",
@@ -603,10 +479,6 @@ OPERATIONS = (
             path("size", "Width, x and height of the image, as in `1280x720`."),
             path("zoom", "Up to six decimals, without zeros at the end: `0`, `1.5`."),
             path("file", "Distortion model and `.json`, as in `rectilinear.json`."),
-        ),
-        description=(
-            "Looks a camera up by the digest of its label and platform. It needs neither a credential nor a "
-            "preflight, and caches keep the response. Ask here first, and by POST after a 404."
         ),
         example_path={
             "digest": alias_digest(EXAMPLE_CAMERA, EXAMPLE_PLATFORM),
@@ -625,10 +497,6 @@ OPERATIONS = (
             path("key", "As a search returned it."),
             path("file", "Width, x, height and `.svg`, as in `1280x720.svg`."),
         ),
-        description=(
-            "Returns an image for a README or a page: whether a camera is calibrated at a size, and with "
-            "which error. It needs no credential."
-        ),
         example_path={"file": "1280x720.svg"},
     ),
     *_RIGS,
@@ -646,6 +514,5 @@ OPERATIONS = (
             query("deep", SWITCH, "`1`: check table, bucket, edge and solver, each with its latency."),
         ),
         problems=(422,),
-        description="Returns 200 if the service works. It needs no credential.",
     ),
 )

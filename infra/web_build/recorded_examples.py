@@ -1,6 +1,7 @@
 """Responses of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
 
-A server in memory gets five calibrations of one synthetic camera, then every example of `example_calls`.
+A server in memory gets five calibrations of one synthetic camera, then every example, in an order in which
+each finds what it needs.
 """
 
 import asyncio
@@ -8,7 +9,7 @@ import functools
 import json
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 from urllib.parse import urlencode
 
@@ -20,12 +21,21 @@ from calibsolver import rotation as rotations
 from calibsolver.guidance import TargetPose, fixed_plan
 from infra.server.jobs import JobWorker
 from infra.server.server import DEVELOPMENT_TOKEN, Server
-from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
 from infra.web_build.operations import OPERATIONS
 from infra.web_build.site import ROOT
 
-EXAMPLES = {operation.name: operation.example for operation in OPERATIONS}
+SCENARIO = (
+    *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
+    *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge", "convertFile"),
+    "lookupKnown",
+    *("openSession", "startSession", "showPose", "submitView", "showSession", "undoView", "checkCalibration"),
+    *("licenseSession", "forgetSession", "submitViews", "finishSession"),
+    *("createRig", "openMoment", "showRig", "undoMoment", "forgetRig", "finishRig", "showRigResult"),
+    "revokeToken",
+)
+"""Names of all operations. `prepare_call` makes what some of them want."""
+CALLS = {operation.name: operation for operation in OPERATIONS}
 IMG_SIZE = (1280, 720)
 CALIBRATIONS = 5
 _VIEWS = 6
@@ -48,7 +58,9 @@ def _prepare(stack: Server) -> None:
     worker = JobWorker(stack.jobs)
     worker.start()
     end = time.monotonic() + _CONSENSUS_TIMEOUT_S
-    while json.loads(_send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, EXAMPLES["lookup"])).get("reason"):
+    while json.loads(_send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, CALLS["lookup"].example)).get(
+        "reason"
+    ):
         if time.monotonic() > end:
             raise ValueError("the calibrations of the examples did not become a consensus")
         time.sleep(0.02)
@@ -78,13 +90,13 @@ def prepare_call(stack: Server, name: str, values: dict[str, str]) -> None:
 
 def _start(stack: Server, options: dict[str, Any]) -> str:
     session: str = json.loads(_send(stack, "POST", "/v1/auth", DEVELOPMENT_TOKEN))["session_id"]
-    _send(stack, "POST", "/v1/session", session, {**EXAMPLES["startSession"], **options})
+    _send(stack, "POST", "/v1/session", session, {**CALLS["startSession"].example, **options})
     return session
 
 
 def _capture_rig(stack: Server) -> tuple[str, str]:
     leader = _start(stack, {})
-    made = json.loads(_send(stack, "POST", "/v1/rigs", leader, EXAMPLES["createRig"]))
+    made = json.loads(_send(stack, "POST", "/v1/rigs", leader, CALLS["createRig"].example))
     rig = f"/v1/rigs/{made['rig_id']}"
     sessions = leader, _start(stack, {"rig": {"code": made["join_code"]}})
     for number, views in enumerate(zip(_views(1), _views(2, (-2.0, 0.0, 0.0)), strict=True)):
@@ -146,13 +158,38 @@ def _examples() -> dict[str, Any]:
     values: dict[str, str] = {}
     with Server(environment={"NEW_TOKENS": "100"}, worker=1) as stack:
         _prepare(stack)
-        for call in calls():
-            prepare_call(stack, call.name, values)
-            path = fill_in(call.path + (f"?{urlencode(call.query)}" if call.query else ""), values)
-            body = _send(stack, call.method, path, fill_in(call.credential or "", values) or None, call.body)
-            answers[call.name] = json.loads(body) if body.startswith((b"{", b"[")) else None
-            learn(values, call.name, answers[call.name])
+        for name in SCENARIO:
+            prepare_call(stack, name, values)
+            call = CALLS[name]
+            query = f"?{urlencode(call.example_query)}" if call.example_query else ""
+            path = fill_in(call.example_address + query, values)
+            credential = fill_in(call.example_credential or "", values) or None
+            body = _send(stack, call.method, path, credential, call.example)
+            answers[name] = json.loads(body) if body.startswith((b"{", b"[")) else None
+            learn(values, name, answers[name])
     return answers
+
+
+def learn(values: dict[str, str], name: str, answer: Any) -> None:
+    """Store values of a response for the placeholders of later examples."""
+    match name:
+        case "createToken":
+            values["MANAGEMENT_TOKEN"] = answer["management_token"]
+        case "openSession":
+            values["SESSION_ID"] = answer["session_id"]
+        case "lookup":
+            values["CALIBRATION_ID"] = answer["id"]
+        case "createRig":
+            values["RIG_ID"] = answer["rig_id"]
+        case "searchCameras":
+            values["CAMERA_KEY"] = answer["cameras"][0]["key"]
+
+
+def fill_in(text: str, values: Mapping[str, str]) -> str:
+    """Put values in the place of their placeholders."""
+    for placeholder, value in values.items():
+        text = text.replace(placeholder, value)
+    return text
 
 
 def text() -> str:

@@ -21,7 +21,7 @@ LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
 SUFFIXES = (".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm")
 # Sources of texts that pages contain, and what is for developers: of no use without a network, 3 MB.
 EXCLUDED = re.compile(
-    r"messages/|((de|uk)/)?(examples|docs)/|sdk/(\d|integrity)|vendor(-[0-9a-f]+)?/(engines|minisearch)/"
+    r"(messages|templates)/|((de|uk)/)?(examples|docs)/|sdk/(\d|integrity)|vendor(-[0-9a-f]+)?/(engines|minisearch)/"
 )
 # Not for pages, or another with every server.
 EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}

@@ -27,7 +27,7 @@ SDK_FOLDER = "sdk/"
 VERSIONED = re.compile(r"sdk/\d+\.\d+\.\d+[^/]*/")
 """Keys of files that never change."""
 _ARCHIVE = "calibdb.tgz"
-_API = '"../v1"'  # from the folder of the files to the service's API
+_API = b'"../v1"'  # from the folder of the files to the service's API
 _TYPESCRIPT = (
     *("--ignoreConfig", "--allowJs", "--checkJs", "--declaration", "--emitDeclarationOnly", "--strict"),
     *("--target", "es2023", "--module", "esnext", "--moduleResolution", "bundler", "--types", ""),
@@ -89,8 +89,7 @@ def import_map(web: Path, site: str) -> str:
 
 def _integrity(sources: Mapping[str, bytes]) -> dict[str, str]:
     """Return the hash of each module as it lies in the version's folder."""
-    modules = {name: _move_module(name, content) for name, content in sources.items() if name.endswith(".js")}
-    return {name: sri(content) for name, content in sorted(modules.items())}
+    return {name: sri(content) for name, content in sorted(_modules(sources).items())}
 
 
 def sri(content: bytes) -> str:
@@ -123,13 +122,12 @@ def _version(sources: Mapping[str, bytes]) -> str:
     return f"{__version__}{mark}"
 
 
-def _move_module(name: str, content: bytes) -> bytes:
-    """Return a module as it lies one folder deeper than in `/sdk/`."""
-    if name != "request.js":
-        return content
-    if content.count(_API.encode()) != 1:
-        raise SiteError(f"request.js does not say {_API} once")
-    return content.replace(_API.encode(), b'"../../v1"')
+def _modules(sources: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return the modules as they lie one folder deeper than in `/sdk/`."""
+    modules = {name: content for name, content in sources.items() if name.endswith(".js")}
+    if modules["request.js"].count(_API) != 1:
+        raise SiteError(f"request.js does not say {_API.decode()} once")
+    return modules | {"request.js": modules["request.js"].replace(_API, b'"../../v1"')}
 
 
 @lru_cache(maxsize=4)
@@ -138,9 +136,7 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
     version = _version(files)
     at = f"{SDK_FOLDER}{version}/"
     facts = json.dumps({"version": version, "files": _integrity(files)}, indent=1).encode() + b"\n"
-    modules = {
-        f"{at}{name}": _move_module(name, content) for name, content in files.items() if name.endswith(".js")
-    }
+    modules = {f"{at}{name}": content for name, content in _modules(files).items()}
     packed = _package(files, version)
     for folder in (at, SDK_FOLDER):
         modules |= {f"{folder}{_ARCHIVE}": packed, f"{folder}integrity.json": facts}
@@ -167,11 +163,16 @@ def _package(sources: Mapping[str, bytes], version: str) -> bytes:
             entry.size = len(content)
             archive.addfile(entry, io.BytesIO(content))
     content = gzip.compress(packed.getvalue(), mtime=0)
-    cache_file.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=cache_file.parent, delete=False) as file:
-        file.write(content)
-    Path(file.name).replace(cache_file)
+    write_whole(cache_file, content)
     return content
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file for other processes, whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+        file.write(content)
+    Path(file.name).replace(path)
 
 
 def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:

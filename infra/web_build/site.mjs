@@ -1,7 +1,7 @@
 // Makes the site's files of their sources: pages in one frame and every language, scripts and styles without comments
 // and indentation. `site.py` runs it.
 //
-// In: {web, pages: {key: source}, origin, contacts}, JSON. Out: {key: content}, JSON; "de/board/index.html" is the
+// In: {web, pages: {key: source}, origin, code}, JSON. Out: {key: content}, JSON; "de/board/index.html" is the
 // German page.
 import { existsSync, readFileSync, readdirSync } from "node:fs";
 import { readFile } from "node:fs/promises";
@@ -10,7 +10,7 @@ import { pathToFileURL } from "node:url";
 import { transform } from "esbuild";
 import { parseHTML } from "linkedom";
 import { LANGUAGES, addMessages, setLanguage, translate } from "../../web/lib/i18n.js";
-import { addressOf, frame } from "./frame.mjs";
+import { addressOf, frame, head } from "./frame.mjs";
 import { mentionedKeys, messagesElement, readMessages } from "./messages.mjs";
 import { moduleGraph } from "./module_graph.mjs";
 
@@ -21,30 +21,21 @@ const HERE = "https://here.invalid";
 const AS_WRITTEN = /^(vendor|examples)\//;
 
 /**
- * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay
- * relative, so that they are in the same language. `key`: of the page in English.
+ * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages relative, so
+ * that they are in the same language. `key`: of the page in English.
  */
 function rewriteAddresses(document, key, inAllLanguages) {
   const relativePages = key.endsWith("index.html") && inAllLanguages.has(key);
   for (const [tag, attribute] of Object.entries(SHARED)) {
-    for (const element of document.querySelectorAll(`${tag}[${attribute}]`)) {
+    for (const element of document.querySelectorAll(`${tag}[${attribute}]:not([hreflang])`)) {
       const written = element.getAttribute(attribute) ?? "";
-      if (/^([a-z]+:|\/|#|\?)/i.test(written)) continue;
+      if (/^([a-z]+:|#|\?)/i.test(written)) continue;
       const there = new URL(written, `${HERE}/${key}`);
-      const page = there.pathname.endsWith("/") ? `${there.pathname.slice(1)}index.html` : "";
-      if (tag === "a" && relativePages && inAllLanguages.has(page)) continue;
-      element.setAttribute(attribute, there.pathname + there.search + there.hash);
+      const page = there.pathname.slice(1);
+      const isSameLanguage = tag === "a" && relativePages && inAllLanguages.has(`${page}index.html`);
+      const path = isSameLanguage ? `${posix.relative(posix.dirname(key), page) || "."}/` : there.pathname;
+      element.setAttribute(attribute, path + there.search + there.hash);
     }
-  }
-}
-
-/** Replaces `<div data-part="consent">` by `parts/consent.html`, which several pages share. */
-function insertParts(document) {
-  for (const place of document.querySelectorAll("[data-part]")) {
-    place.outerHTML = readFileSync(
-      new URL(`parts/${place.getAttribute("data-part")}.html`, import.meta.url),
-      "utf8",
-    ).trim();
   }
 }
 
@@ -54,7 +45,7 @@ const entriesOf = (document) =>
     (script.getAttribute("src") ?? "").replace(/^\//, ""),
   );
 
-export async function buildPages({ web, pages, origin, contacts }) {
+export async function buildPages({ web, pages, origin, code }) {
   const languages = Object.keys(LANGUAGES);
   const messages = Object.fromEntries(languages.map((language) => [language, readMessages(web, language)]));
   for (const language of languages) addMessages(language, messages[language]);
@@ -63,7 +54,7 @@ export async function buildPages({ web, pages, origin, contacts }) {
   const entries = new Set(["lib/header.js"]);
   for (const [key, source] of Object.entries(pages)) {
     for (const [, src] of source.matchAll(/<script type="module" src="([^"]+)"/g))
-      entries.add(posix.join(posix.dirname(key), src));
+      entries.add(posix.resolve("/", posix.dirname(key), src).slice(1));
   }
   const graph = await moduleGraph(web, [...entries]);
   const texts = Object.fromEntries(
@@ -78,15 +69,13 @@ export async function buildPages({ web, pages, origin, contacts }) {
     for (const language of translated ? languages : ["en"]) {
       setLanguage(language);
       const { document } = parseHTML(source);
-      insertParts(document);
+      const place = { key, language, translated, pages: keys, origin, code };
+      frame(document, place);
+      translate(document.documentElement);
       rewriteAddresses(document, key, inAllLanguages);
       const own = entriesOf(document);
       if (document.querySelector("header.masthead")) own.push("lib/header.js");
-      const preloaded = new Set(own.flatMap((entry) => graph[entry]?.now ?? []));
-      const preloads = [...preloaded].map((path) => `/${path}`);
-      translate(document.documentElement);
-      frame(document, { key, language, translated, pages: keys, inAllLanguages, origin, contacts, preloads });
-      translate(document.documentElement);
+      head(document, place, new Set(own.flatMap((entry) => graph[entry]?.now ?? [])));
       const modules = new Set(own.flatMap((entry) => graph[entry]?.all ?? []));
       const sources = [document.toString(), ...[...modules].map((path) => texts[path])];
       const shown = mentionedKeys(sources, Object.keys(messages[language]));

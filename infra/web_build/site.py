@@ -17,7 +17,6 @@ import os
 import re
 import shutil
 import sys
-import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -25,22 +24,23 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from infra.web_build.docs.catalog import ENTRIES
-from infra.web_build.sdk import SiteError, run_node, sdk_files
+from infra.web_build.docs.catalog import entries
+from infra.web_build.sdk import SiteError, run_node, sdk_files, write_whole
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
+SOURCE_FOLDERS = ("messages", "templates")
+"""Folders of `web/` that pages are made of. They are not served."""
 MADE_FILES = ROOT / "built"
 """In a wheel, which has no sources: the files that are made."""
 _CACHE = ROOT / ".build" / "site"
 _MAX_CACHED = 16
-# In the place of what a deployment says (`Options`)
+# In the place of what a deployment says (`Options`), as the contacts in `web/templates/parts/foot.html`
 _ANY_ORIGIN = "https://origin.invalid"
-_ANY_CONTACTS = {name: f"https://{name}.invalid" for name in ("contact", "imprint")}
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 _MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
-_INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
+_INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml", ".txt")
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,11 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
 
 def build_for_wheel(folder: Path) -> None:
     """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
-    for key, content in _make_files(WEB, _state(WEB)).items():
+    _write(folder, _make_files(WEB, _state(WEB)))
+
+
+def _write(folder: Path, files: Mapping[str, bytes]) -> None:
+    for key, content in files.items():
         (folder / key).parent.mkdir(parents=True, exist_ok=True)
         (folder / key).write_bytes(content)
 
@@ -85,7 +89,8 @@ def _completed(web: Path, state: str, contacts_text: str, origin: str) -> Mappin
         files = {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
     for key in [key for key in files if key.endswith(".html")]:
         text = files[key].decode().replace(_ANY_ORIGIN, origin)
-        for name, place in _ANY_CONTACTS.items():
+        for name in ("contact", "imprint"):
+            place = f"https://{name}.invalid"
             if contacts.get(name):
                 text = text.replace(place, html.escape(contacts[name]))
             else:
@@ -100,7 +105,7 @@ def _sources(web: Path, generated: Mapping[str, str]) -> dict[str, str]:
         for path in sorted(web.rglob("*.html"))
     }
     pages = {key: text for key, text in generated.items() if key.endswith(".html")} | written
-    return {key: text for key, text in pages.items() if not key.startswith("vendor/")}
+    return {key: text for key, text in pages.items() if not key.startswith(("vendor/", "templates/"))}
 
 
 @lru_cache(maxsize=8)
@@ -119,13 +124,12 @@ def _build(web: Path) -> dict[str, str]:
     # Here: built pages need none of them, and the models take their time.
     from infra.web_build import openapi
     from infra.web_build.docs import build
-    from infra.web_build.docs.example_pages import example_pages
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    source = project.get("urls", {}).get("Repository")
-    contacts = _ANY_CONTACTS | ({"source": source} if source else {})
-    generated = {**build.pages(web), **example_pages(web)}
-    task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "contacts": contacts}
+    code = project.get("urls", {}).get("Repository", "")
+    openapi.document.cache_clear()  # its texts may have changed
+    generated = build.pages(web)
+    task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "code": code}
     made = run_node("the site is", "node", str(_PAGE_BUILDER), text=json.dumps(task))
     if made.returncode:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
@@ -136,11 +140,8 @@ def _build(web: Path) -> dict[str, str]:
 
 
 def _keep(place: Path, made: Mapping[str, str]) -> None:
-    """Write a file for other processes, whole or not at all; keep only the newest."""
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
-        json.dump(made, file)
-    Path(file.name).replace(place)
+    """Write a file for other processes; keep only the newest."""
+    write_whole(place, json.dumps(made).encode())
     with suppress(FileNotFoundError):  # another process removes old ones too
         oldest_first = sorted(place.parent.glob("*.json"), key=lambda path: path.stat().st_mtime_ns)
         for old in oldest_first[:-_MAX_CACHED]:
@@ -165,19 +166,14 @@ def _inputs(web: Path) -> Iterator[str]:
         for place, folders, names in os.walk(folder):
             folders[:] = sorted(name for name in folders if name != "vendor")
             yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))
-    documents = (entry.source for entry in ENTRIES if entry.source)
+    documents = (entry.source for entry in entries() if entry.source)
     yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", ".build/examples.json", *documents))
 
 
 def main(folder: Path) -> None:
     """Write the whole site to a folder."""
-    for path in WEB.rglob("*"):
-        if path.is_file():
-            (folder / path.relative_to(WEB)).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, folder / path.relative_to(WEB))
-    for key, content in made_files().items():
-        (folder / key).parent.mkdir(parents=True, exist_ok=True)
-        (folder / key).write_bytes(content)
+    shutil.copytree(WEB, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns(*SOURCE_FOLDERS))
+    _write(folder, made_files())
 
 
 if __name__ == "__main__":

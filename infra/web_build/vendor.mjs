@@ -1,9 +1,8 @@
 // Puts third-party code where the pages load it from: web/vendor/, which git ignores and `make` rebuilds.
 import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
-import { buildSync } from "esbuild";
 import { compile } from "json-schema-to-typescript";
-import { vendorEngines } from "./engines.mjs";
+import { bundle, vendorEngines } from "./engines.mjs";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
 const vendor = `${root}web/vendor/`;
@@ -62,16 +61,10 @@ function vendorQr() {
 }
 
 /** The search of the documentation. */
-function vendorSearch() {
+async function vendorSearch() {
   const from = `${root}node_modules/minisearch/`;
-  buildSync({
-    stdin: { contents: 'export { default as MiniSearch } from "minisearch";', resolveDir: root },
-    outfile: `${vendor}minisearch/minisearch.js`,
-    bundle: true,
-    minify: true,
-    format: "esm",
-    logLevel: "error",
-  });
+  const contents = 'export { default as MiniSearch } from "minisearch";';
+  await bundle({ contents, resolveDir: root }, `${vendor}minisearch/minisearch.js`);
   writeFileSync(
     `${vendor}minisearch/minisearch.d.ts`,
     `
@@ -88,21 +81,13 @@ function vendorSearch() {
  * The parts of the WebXR polyfill that an own device needs: no headsets, no phones' lenses, no navigator that is
  * replaced unasked.
  */
-function vendorWebXR() {
+async function vendorWebXR() {
   const from = `${root}node_modules/webxr-polyfill/`;
   const contents = `
       export { default as XRDevice } from "./src/devices/XRDevice.js";
       export { default as classes } from "./src/api/index.js";
       export { PRIVATE as SESSION } from "./src/api/XRSession.js";`;
-  buildSync({
-    stdin: { contents, resolveDir: from },
-    outfile: `${vendor}webxr/polyfill.js`,
-    bundle: true,
-    minify: true,
-    format: "esm",
-    define: { "process.env.NODE_ENV": '"production"' },
-    logLevel: "error",
-  });
+  await bundle({ contents, resolveDir: from }, `${vendor}webxr/polyfill.js`);
   writeFileSync(
     `${vendor}webxr/polyfill.d.ts`,
     `
@@ -144,8 +129,8 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   vendorOpenCV();
   vendorFont();
   vendorQr();
-  vendorSearch();
-  vendorWebXR();
+  await vendorSearch();
+  await vendorWebXR();
   await vendorEngines(vendor);
   const api = JSON.parse(readFileSync(`${root}.build/openapi.json`, "utf8"));
   vendorFormats(api);

@@ -1,10 +1,9 @@
-"""The whole stack emulated in memory, one for each module of tests."""
+"""Results of the solver that the tests of a module share."""
 
 from collections.abc import Iterator
 
 import pytest
 
-from tests.aws.emulator import LocalStack
 from tests.helpers.solver.computed_once import computed_once
 
 
@@ -12,9 +11,3 @@ from tests.helpers.solver.computed_once import computed_once
 def results_of_the_solver() -> Iterator[None]:
     with computed_once():
         yield
-
-
-@pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack() as stack:
-        yield stack

@@ -7,8 +7,7 @@ import pytest
 import yaml
 
 from infra.deploy.template import parse
-from tests.bench import edge_month
-from tests.bench.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
+from tests.bench.cost import MAX_EDGE_USD, MAX_FIXED_USD, MAX_USD, at_edge, measure, mixed_at_edge, price_of
 from tests.bench.usage import PRICES, Usage, firewall, fixed_costs, price, price_at_edge
 from tests.helpers.data import ROOT
 from tests.helpers.service.storage_calls import lasting_tokens
@@ -35,7 +34,7 @@ def test_a_lookup_and_a_calibration_are_affordable() -> None:
     # One in twenty asks first whether it may; each of these is at least a request.
     assert parts["preflights"] >= 0.05
     edge = at_edge(replace(lookup, gb_seconds=0.0), LIST)
-    assert edge_month.price(*edge) <= 1.50 - 0.2 * MAX_COMPUTE_USD["a million lookups"]
+    assert mixed_at_edge(*edge) <= MAX_EDGE_USD - 0.2 * MAX_COMPUTE_USD["a million lookups"]
     assert calibration.kept > 1000
     assert calibration.puts >= 3
 
@@ -49,12 +48,6 @@ def test_fixed_costs_are_bounded_and_the_budget_is_above_them() -> None:
     assert with_firewall <= MAX_FIXED_USD + 6.0
     assert 0.8 * budget > 2 * with_firewall  # it rings at 80 %
     assert {"dashboard", "ServerErrorAlarm", "index and its recovery"} <= costs.keys()
-
-
-def test_more_lookups_are_cached_more_often() -> None:
-    enough = edge_month.lookups_for(edge_month.HIT_RATE, 13)
-    assert edge_month.hit_rate(enough, 13) >= edge_month.HIT_RATE > edge_month.hit_rate(0.9 * enough, 13)
-    assert edge_month.MAX_EDGE_USD == 1.50
 
 
 def test_every_price_has_a_source_and_a_date() -> None:
@@ -80,10 +73,7 @@ def test_every_use_has_its_price() -> None:
         (Usage(waits=[("dynamodb", 0.5)] * 1000), 0.005 * 500 * 13.3334e-6),
     ):
         assert sum(price(use, LIST).values()) == pytest.approx(usd)
-
-
-def test_cloudfront_is_paid_by_requests_and_bytes() -> None:
     parts = price(Usage(requests=10**6, sent=10**9), LIST)
     asked, known = price_at_edge(parts, 1e9, LIST)
-    assert known == pytest.approx(1.0 + 0.085)
+    assert known == pytest.approx(1.0 + 0.085), "CloudFront is paid by requests and bytes"
     assert asked == pytest.approx(sum(parts.values()) + known - 0.09)

@@ -4,13 +4,10 @@ moto lets everybody do everything. So the calls are recorded on their way out, b
 them, and held against the template's statements.
 """
 
-import functools
-import json
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 import boto3
 import pytest
@@ -19,20 +16,19 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.aws import DynamoTable
 from calibdb.store.ports import Condition, Item
-from calibdb.store.rigs import Rigs
-from calibdb.store.storage import storage_of
-from calibdb.store.versions import Sessions
 from tests.aws.emulator import LocalStack
 from tests.helpers.clock import Clock
 from tests.helpers.service.client import CAMERA, Client, Truth
-from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
-from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.iam import Grant, Needed, grants, needs_of_machine, recording, running
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 from tests.helpers.service.rigs import RigTruth
-from tests.helpers.service.stores import with_methods
+from tests.helpers.service.strangers import make, manage, rotate, states
 
 TABLE = "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"
 BUCKET = "arn:aws:s3:::calibdb-keypointbucket"
+Recorded = Mapping[str, set[Needed]]  # by function
 TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
 #: granted and not asked for in a local stack, and why it is granted nevertheless
 UNASKED = {
@@ -42,15 +38,15 @@ UNASKED = {
 
 
 @pytest.fixture(scope="module")
-def recorded() -> Iterator[set[tuple[str, Needed]]]:
-    recorder, clock = Recorder(set()), Clock(time.time())
+def recorded() -> Iterator[Recorded]:
+    clock = Clock(time.time())
     # On AWS each function remembers tokens for itself; here they would share one memory.
     instances: dict[tuple[str | None, Settings], Service] = {}
 
     def of(settings: Settings) -> Service:
-        key = (running(), settings)
+        key = (running.get(), settings)
         if key not in instances:
-            instances[key] = Service.build(settings, contended(settings), clock)
+            instances[key] = Service.build(settings, Store.of(settings), clock)
         return instances[key]
 
     environment = {"CONTRIBUTOR_PERIOD": "86400", "MIN_CALIBRATIONS": "2"}
@@ -60,46 +56,34 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             store(stack).tokens.create(token)
         known = [calibration("Well known", n) for n in range(3)]
         mode = mode_of(known[0])
+        rectilinear = asked(mode, "rectilinear").model_dump(mode="json")
         for document in known[:2]:
             store(stack).calibrations.publish(document)
-        with recorder.recording():
-            invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
+        with recording() as needed:
+            stack.functions["RefitFunction"](rectilinear)
             use(stack)
             rig = capture_rig(stack)
-            manage(stack)
+            manage_tokens(stack)
             clock.now += 700  # what was counted in memory is written down
             use_again(stack)
             assert Client(stack).call("GET", f"/v1/rigs/{rig}/result", token=TOKEN).status == 200
             stack.wait_until_idle(60)
-            assert invoke("DumpFunction", {})["name"] is not None
-            assert invoke("DumpFunction", {})["name"] is None
+            assert stack.functions["DumpFunction"]({})["name"] is not None
+            assert stack.functions["DumpFunction"]({})["name"] is None
             objects = boto3.client("s3").list_objects_v2(
                 Bucket=stack.environment["BUCKET_NAME"], Prefix="calibrations/"
             )["Contents"]
             items = [{"Key": o["Key"].replace("c4-", "c1-"), "Size": 1} for o in objects[:2]]
-            invoke("BackfillFunction", {"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
+            stack.functions["BackfillFunction"]({"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
             stack.wait_until_idle(60)
             # The answers at the edge change, and go.
             store(stack).calibrations.publish(known[2])
-            invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
+            stack.functions["RefitFunction"](rectilinear)
             for document in known:
                 store(stack).calibrations.withdraw(document, "wrong", 0)
-            invoke("RefitFunction", asked(mode).model_dump(mode="json"))
-        yield recorder.needed
-
-
-@functools.cache
-def functions() -> Any:
-    """Client of AWS Lambda."""
-    return boto3.client("lambda")
-
-
-def invoke(function: str, payload: Any) -> Any:
-    answer = functions().invoke(FunctionName=function, Payload=json.dumps(payload).encode())
-    content = json.load(answer["Payload"])
-    assert "FunctionError" not in answer, content
-    return content
+            stack.functions["RefitFunction"](asked(mode).model_dump(mode="json"))
+        yield dict(needed)
 
 
 def use(stack: LocalStack) -> None:
@@ -114,27 +98,26 @@ def use(stack: LocalStack) -> None:
     assert client.call("DELETE", f"/v1/session/views/{pose['index']}").status == 200
     assert client.pose("skip=1").status == 200
     assert client.state()["status"] == "capturing"
-    assert client.call("DELETE", "/v1/session").status == 204
-    started_anew = {**CAMERA, "camera": "Well known", "platform": PLATFORM}
-    assert client.call("POST", "/v1/session", started_anew).status == 201
-    views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=30), 4)]
+    assert client.forget().status == 204
+    well_known = {**CAMERA, "camera": "Well known", "platform": PLATFORM}
+    assert client.call("POST", "/v1/session", well_known).status == 201
+    seen = views(Truth(seed=30), 4)
     client.open(camera="Captured here", platform=PLATFORM, capture="recorded")
-    assert client.call("POST", "/v1/session/batch", {"index": 0, "views": views}).status == 200
-    state = client.call("POST", "/v1/session/finish").json
+    assert client.call("POST", "/v1/session/batch", {"index": 0, "views": seen}).status == 200
+    state = client.finish().json
     consent = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
     assert client.call("POST", "/v1/session/licence", consent).status == 200
     stack.wait_until_idle(60)
     assert store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0])
-    path = f"/v1/calibrations/{state['calibration_id']}"
-    assert client.call("GET", path, token=TOKEN, query="format=gltf").status == 200
-    assert client.call("GET", path, token=TOKEN).status == 200
+    for query in ("format=gltf", ""):
+        assert client.calibration(state["calibration_id"], query).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
     assert client.lookup(camera="Well known", platform=PLATFORM, distortion_model="rational").status == 200
     assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
     assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
     checker = Client(stack, api_token="cdb_other_secret")
     checker.authenticate()
-    body = {**CAMERA, "camera": "Well known", "platform": PLATFORM, "views": views[:3]}
+    body = {**well_known, "views": seen[:3]}
     assert checker.call("POST", "/v1/checks", body).json["counted"]
     assert checker.call("POST", "/v1/checks", body).status == 200
     with pytest.MonkeyPatch.context() as patch:
@@ -142,31 +125,21 @@ def use(stack: LocalStack) -> None:
         assert client.call("GET", "/healthz", token="", query="deep=1").status == 503
 
 
-#: what the key of a write begins with that is to come too late, as when another request got ahead
-_to_lose: list[str] = []
-
-
-def contended(settings: Settings) -> Store:
-    """Storage in which a write of a session, or of a rig, can come too late."""
-    storage = storage_of(settings)
-    table, objects = storage.table, storage.objects
-
-    def put(item: Item, condition: Condition | None = None) -> bool:
-        if _to_lose and str(item["pk"]).startswith(_to_lose[-1]):
-            _to_lose.pop()
-            return False
-        return table.put(item, condition)
-
-    losing = with_methods(table, put=put)
-    return replace(Store.of(settings), sessions=Sessions(losing, objects), rigs=Rigs(losing, objects))
-
-
 @contextmanager
 def overtaken(key: str = "SESSION#") -> Iterator[None]:
-    """The first write of a session, or of another key, within the block comes too late."""
-    _to_lose.append(key)
-    yield
-    assert not _to_lose
+    """The first write of a session, or of another key, comes too late, as when another request got ahead."""
+    put, lost = DynamoTable.put, []
+
+    def put_late(table: DynamoTable, item: Item, condition: Condition | None = None) -> bool:
+        if not lost and item["pk"].startswith(key):
+            lost.append(item)
+            return False
+        return put(table, item, condition)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(DynamoTable, "put", put_late)
+        yield
+    assert lost
 
 
 def capture_rig(stack: LocalStack) -> str:
@@ -195,22 +168,20 @@ def capture_rig(stack: LocalStack) -> str:
     return rig.rig_id
 
 
-def manage(stack: LocalStack) -> None:
+def manage_tokens(stack: LocalStack) -> None:
     """A token that somebody makes, proves, changes, uses, and revokes."""
     client = Client(stack)
-    made = client.call("POST", "/v1/tokens", {"origins": ["https://example.org"]}, token="").json
-    managing, line = made["management_token"], made["origins"][0]["proof"]["content"]
+    made = make(client, "https://example.org")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("calibdb.proof.read_proof", lambda _: line)
-        verified = client.call("POST", "/v1/tokens/self/verify", token=managing).json
-    assert [origin["state"] for origin in verified["origins"]] == ["verified"]
-    other = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json
+        patch.setattr("calibdb.proof.read_proof", lambda _: made["origins"][0]["proof"]["content"])
+        assert set(states(manage(client, "POST", made, "/verify")).values()) == {"verified"}
+    other = make(client)
     for _ in range(2):
         assert client.call("GET", "/v1/usage", token=other["token"]).json["plan"] == "trial"
-    assert client.call("PATCH", "/v1/tokens/self", {"name": "x"}, token=managing).status == 200
-    assert client.call("POST", "/v1/tokens/self/rotate", token=managing).status == 200
-    assert client.call("GET", "/v1/tokens/self", token=managing).status == 200
-    assert client.call("DELETE", "/v1/tokens/self", token=managing).status == 204
+    assert manage(client, "PATCH", made, body={"name": "x"}).status == 200
+    rotate(client, made)
+    assert manage(client, "GET", made).status == 200
+    assert manage(client, "DELETE", made).status == 204
 
 
 def use_again(stack: LocalStack) -> None:
@@ -222,80 +193,67 @@ def use_again(stack: LocalStack) -> None:
         assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
         assert client.call("GET", f"/v1/cameras/{key}", token=TOKEN).json["modes"]
         consensus = client.lookup(camera="Well known", platform=PLATFORM).json["id"]
-        assert client.call("GET", f"/v1/calibrations/{consensus}", token=TOKEN).status == 200
-        old = consensus.replace("c4-", "c1-", 1)
-        client.call("GET", f"/v1/calibrations/{old}", token=TOKEN)
+        assert client.calibration(consensus).status == 200
+        client.calibration(consensus.replace("c4-", "c1-", 1))
 
 
-def test_no_call_without_a_grant(recorded: set[tuple[str, Needed]]) -> None:
-    given = grants()
-    refused = {(who, one) for who, one in recorded if not any(grant.allows(one) for grant in given[who])}
-    assert refused == set()
-    assert {who for who, _ in recorded} == set(given)
+def refused(asked: set[Needed], given: Sequence[Grant]) -> set[Needed]:
+    return {one for one in asked if not any(grant.allows(one) for grant in given)}
 
 
-def test_no_grant_without_a_call(recorded: set[tuple[str, Needed]]) -> None:
-    unused = {
-        (who, grant.sid, action)
-        for who, statements in grants().items()
-        for grant in statements
-        for action in grant.actions
-        if action not in UNASKED
-        and not any(one.action == action and grant.allows(one) for asker, one in recorded if asker == who)
-    }
-    assert unused == set()
-
-
-def test_every_granted_attribute_is_written(recorded: set[tuple[str, Needed]]) -> None:
-    """A function adds to the counters that it counts with, and to no others."""
-    unused = {
-        (who, grant.sid, attribute)
-        for who, given in grants().items()
-        for grant in given
-        for attribute in grant.attributes
-        if not any(
-            attribute in (one.attributes or ()) and grant.allows(one)
-            for asker, one in recorded
-            if asker == who
-        )
-    }
-    assert unused == set()
-
-
-def test_state_machine_role_grants_what_its_definition_needs() -> None:
-    ((name, given),) = grants("AWS::Serverless::StateMachine").items()
-    asked = set(needs_of_machine(name))
-    assert {one for one in asked if not any(grant.allows(one) for grant in given)} == set()
-    unused = {
+def unused(given: Sequence[Grant], asked: set[Needed]) -> set[tuple[str, str]]:
+    """Statements and their actions that nothing needs."""
+    return {
         (grant.sid, action)
         for grant in given
         for action in grant.actions
         if not any(one.action == action and grant.allows(one) for one in asked)
     }
-    assert unused == set()
-    for other in (
+
+
+def test_no_call_without_a_grant(recorded: Recorded) -> None:
+    for function, given in grants().items():
+        assert refused(recorded[function], given) == set(), function
+    assert recorded.keys() == grants().keys()
+
+
+def test_no_grant_without_a_call(recorded: Recorded) -> None:
+    for function, given in grants().items():
+        assert {action for _, action in unused(given, recorded[function])} <= UNASKED.keys(), function
+
+
+def test_every_granted_attribute_is_written(recorded: Recorded) -> None:
+    """A function adds to the counters that it counts with, and to no others."""
+    for function, given in grants().items():
+        for grant in given:
+            writes = [one.attributes or () for one in recorded[function] if grant.allows(one)]
+            assert grant.attributes <= frozenset().union(*writes), (function, grant.sid)
+
+
+def test_state_machine_role_grants_what_its_definition_needs() -> None:
+    ((name, given),) = grants("AWS::Serverless::StateMachine").items()
+    asked = set(needs_of_machine(name))
+    assert refused(asked, given) == set()
+    assert unused(given, asked) == set()
+    others = {
         Needed("s3:ListBucket", BUCKET, prefix="sessions/"),
         Needed("s3:GetObject", f"{BUCKET}/calibrations/x"),
         Needed(
             "lambda:InvokeFunction", "arn:aws:lambda:us-east-1:123456789012:function:calibdb-SubmitFunction"
         ),
         Needed("states:StopExecution", "arn:aws:states:us-east-1:123456789012:execution:calibdb-backfill2:x"),
-    ):
-        assert not any(grant.allows(other) for grant in given), other
+    }
+    assert refused(others, given) == others
 
 
-@pytest.mark.parametrize(
-    "needed",
-    [
+def test_lookup_role_cannot_write_calibrations() -> None:
+    others = {
         Needed("dynamodb:PutItem", TABLE, frozenset({"TOKEN#x"})),
         Needed("dynamodb:Scan", TABLE),
         Needed("s3:GetObject", f"{BUCKET}/calibrations/x"),
         Needed("s3:DeleteObject", f"{BUCKET}/sessions/x"),
-    ],
-    ids=lambda needed: needed.action,
-)
-def test_lookup_role_cannot_write_calibrations(needed: Needed) -> None:
-    assert not any(grant.allows(needed) for grant in grants()["LookupFunction"])
+    }
+    assert refused(others, grants()["LookupFunction"]) == others
 
 
 def test_statement_allows_only_its_named_calls() -> None:
@@ -311,10 +269,10 @@ def test_statement_allows_only_its_named_calls() -> None:
     )
     fine = Needed("dynamodb:UpdateItem", "arn:t", frozenset({"A#1"}), frozenset({"pk", "n"}))
     assert grant.allows(fine)
-    for other in (
-        Needed("dynamodb:UpdateItem", "arn:u", fine.keys, fine.attributes),
-        Needed("dynamodb:UpdateItem", "arn:t", frozenset({"B#1"}), fine.attributes),
-        Needed("dynamodb:UpdateItem", "arn:t", fine.keys, frozenset({"pk", "secret"})),
-        Needed("dynamodb:UpdateItem", "arn:t", fine.keys, fine.attributes, "ALL_OLD"),
+    for change in (
+        {"resource": "arn:u"},
+        {"keys": frozenset({"B#1"})},
+        {"attributes": frozenset({"pk", "secret"})},
+        {"returned": "ALL_OLD"},
     ):
-        assert not grant.allows(other)
+        assert not grant.allows(replace(fine, **change))

@@ -4,8 +4,16 @@ from collections.abc import Iterator
 
 import yaml
 
-from tests.bench import edge_month
-from tests.bench.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
+from tests.bench.cost import (
+    LOOKUPS,
+    MAX_EDGE_USD,
+    MAX_FIXED_USD,
+    MAX_USD,
+    at_edge,
+    measure,
+    mixed_at_edge,
+    price_of,
+)
 from tests.bench.table import Row
 from tests.bench.usage import PRICES, fixed_costs
 
@@ -16,7 +24,7 @@ def rows() -> Iterator[Row]:
     for name, use in uses.items():
         total = sum(price_of(name, use, prices).values())
         yield Row(f"price of {name}", total, MAX_USD[name], "USD", "list prices")
-    edge = edge_month.price(*at_edge(uses[LOOKUPS], prices))
-    yield Row("price of a million lookups, 80 % cached", edge, edge_month.MAX_EDGE_USD, "USD", "list prices")
+    edge = mixed_at_edge(*at_edge(uses[LOOKUPS], prices))
+    yield Row("price of a million lookups, 80 % cached", edge, MAX_EDGE_USD, "USD", "list prices")
     fixed = sum(fixed_costs(prices).values())
     yield Row("price of a month without requests", fixed, MAX_FIXED_USD, "USD", "list prices")

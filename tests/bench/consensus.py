@@ -1,6 +1,6 @@
 """`make bench DOCS=consensus`: how far liars get, and what published lens profiles become.
 
-`CAMERAS=1000` simulated cameras; `ONLY=poisoning`, `ONLY="honest worlds"` or `ONLY="lens profiles"`.
+`CAMERAS=1000` simulated cameras; `ONLY=poisoning` or `ONLY="lens profiles"`.
 """
 
 import itertools
@@ -12,7 +12,7 @@ import numpy as np
 from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
 from infra.console import track
-from tests.bench import document, honest_worlds
+from tests.bench import document
 from tests.helpers.solver import attacks, populations
 
 MAX_DRAWS = 60
@@ -43,12 +43,7 @@ HEADER = [
 
 def main() -> None:
     cameras = int(os.environ.get("CAMERAS", "1000"))
-    parts = {
-        "poisoning": lambda: poisoning(cameras),
-        "honest worlds": lambda: honest_worlds.table(cameras),
-        "lens profiles": profiles,
-    }
-    for name, written in parts.items():
+    for name, written in (("poisoning", lambda: poisoning(cameras)), ("lens profiles", profiles)):
         if document.is_chosen(name):
             document.replace(name, written())
 

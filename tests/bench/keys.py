@@ -9,14 +9,13 @@ import statistics
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 
 from calibdb.camera_key import Identity, identify
 from calibdb.camera_key.system import system_of
 from calibsolver import Camera
-from calibsolver.consensus.agreement import compare
+from calibsolver.consensus.agreement import differences
 from tests.bench import document
 from tests.helpers.data import ROOT
 from tests.helpers.service.labels import rows as label_rows
@@ -111,8 +110,8 @@ def lenses() -> list[list[str]]:
         for group in groups.values():
             if len(group) > 1:
                 limit = SAME_LENS_WIDTHS * next(iter(group.values())).img_size[0]
-                differences = compare([SimpleNamespace(camera=c) for c in group.values()])
-                shares.append(float(np.mean(differences[np.triu_indices(len(group), 1)] < limit)))
+                away = differences(list(group.values()))
+                shares.append(float(np.mean(away[np.triu_indices(len(group), 1)] < limit)))
         # Each camera counts the same, however popular.
         out.append([name, f"{len(shares):,}", f"{100 * statistics.mean(shares):.0f} %"])
     return out

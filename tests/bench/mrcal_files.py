@@ -19,9 +19,9 @@ from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit,
 from calibsolver import image_transform as transforms
 from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.fitting.normal_equations import POSE_SIZE, Poses, linearize
+from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportSource
-from calibsolver.formats.mrcal import Mrcal
-from calibsolver.formats.optimum import MIN_USED_POINTS, resect_used
+from calibsolver.formats.mrcal import MIN_USED_POINTS, Mrcal
 from tests.bench.document import table
 from tests.helpers.data import available, corner_views, on_board
 from tests.helpers.solver.export_sources import captured, subject
@@ -94,7 +94,7 @@ def std_by_mrcals_definition(source: ExportSource) -> float:
         for v, m in zip(source.views, conversion.used, strict=True)
         if m.sum() >= MIN_USED_POINTS
     ]
-    poses = resect_used(camera, views, [np.ones(len(view), dtype=bool) for view in views])
+    poses = np.array(reprojection_score(camera, views).poses)
     corner = poses[:, 3:] + rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
     point = center_ray(camera) * np.median(corner[:, 2])
     p, n = model.size, len(views)

@@ -21,14 +21,14 @@ from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.scenes import BLIND_DETECTOR, webcam
 from tests.helpers.browser.scripts import PLAIN, page_function
-from tests.helpers.browser.specimens import rig_result
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, uncaught, until
 from tests.helpers.documents import SITE, blocks
 
 from .conftest import ROOT, TOKEN
 
-KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
+C920 = "HD Pro Webcam C920 (046d:082d)"
+EXAMPLES = json.loads(EXAMPLES_PATH.read_text().replace(C920, "C 1"))
 BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
 NO_ICON = '<link rel="icon" href="data:,">'
 EXPORT = """async ([id, token, api]) => {
@@ -52,7 +52,7 @@ CAMERAS = webcam("C 1", "C 2", size=(640, 480))
 @pytest.fixture(scope="module")
 def token(stack: str) -> dict[str, Any]:
     made = httpx.post(f"{stack}/v1/tokens", json={"origins": ["http://localhost"]}, timeout=60)
-    assert made.status_code == 201, made.text
+    made.raise_for_status()
     return made.json()
 
 
@@ -146,9 +146,9 @@ def script(source: str) -> str:
 def test_javascript_of_documents_runs(context: BrowserContext, stack: str) -> None:
     page = context.new_page()
     errors = uncaught(page)
-    page.route("**/v1/lookup", lambda route: route.fulfill(json=KNOWN))
+    page.route("**/v1/lookup", lambda route: route.fulfill(json=EXAMPLES["lookup"]))
     page.route("**/known/**", lambda route: route.fulfill(status=404))
-    page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=rig_result()))
+    page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=EXAMPLES["showRigResult"]))
     page.add_init_script(CAMERAS)
     page.route("**/cameras.json", lambda route: route.fulfill(json=BUNDLE))
     names = ("calibdb", "calibdb/bundle", "calibdb/adapters/three")
@@ -199,16 +199,7 @@ def test_pinned_sdk_runs_unchanged_or_not_at_all(
 
 
 def test_search_and_calls_with_an_own_token(page: Page, token: dict[str, Any]) -> None:
-    kept = [
-        {
-            "id": token["id"],
-            "token": token["token"],
-            "management_token": token["management_token"],
-            "origins": [],
-            "name": "Mine",
-        }
-    ]
-    page.add_init_script(f"localStorage.setItem('calibdb.tokens', {json.dumps(json.dumps(kept))})")
+    page.add_init_script(f"localStorage.setItem('calibdb.tokens', {json.dumps(json.dumps([token]))})")
     page.goto("/docs/")
     page.keyboard.press("/")
     expect(page.get_by_role("searchbox")).to_be_focused()

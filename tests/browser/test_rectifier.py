@@ -18,7 +18,7 @@ from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.scripts import FOLDER, PLAIN, page_function
 from tests.helpers.marks import thorough
-from tests.helpers.rig_vectors import RIGS_PATH
+from tests.helpers.vectors import recorded
 
 Size = tuple[int, int]
 
@@ -176,7 +176,7 @@ def test_disposed_rectifiers_leave_no_context_behind(page: Page) -> None:
 
 @pytest.mark.parametrize("packing", ["beside", *thorough(None)])
 def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page, packing: str | None) -> None:
-    pairs = json.loads(RIGS_PATH.read_text())
+    pairs = recorded("pairs")
     (pair,) = [
         each for each in pairs if tuple(each[side]["distortion_model"] for side in ("left", "right")) == MIXED
     ]

@@ -1,6 +1,5 @@
 """The samples of docs/webxr.md."""
 
-import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.scripts import PLAIN
 from tests.helpers.browser.specimens import rig_result
 from tests.helpers.browser.webxr import LABEL, SHARED, attributes, known_camera, script
-from tests.helpers.rig_vectors import RIGS_PATH
+from tests.helpers.vectors import recorded
 
 from .conftest import ROOT
 
@@ -86,7 +85,7 @@ def test_none_is_left_out() -> None:
 
 @pytest.mark.thorough
 def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
-    pair = json.loads(RIGS_PATH.read_text())[0]
+    pair = recorded("pairs")[0]
     result = rig_result() | {"unit": "squares"}
     page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=result))
     page.goto(PLAIN)

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from textwrap import dedent
 
-from infra.web_build.docs.catalog import ENTRIES
+from infra.web_build.docs.catalog import entries
 from tests.helpers.data import ROOT
 
 _FENCE = re.compile(r"^( *)```(\S+)([^\n]*)\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
@@ -29,7 +29,7 @@ class Block:
 
 def sources() -> list[str]:
     """Paths of the site's documents and of the README."""
-    return [*(entry.source for entry in ENTRIES if entry.source), "README.md"]
+    return [*(entry.source for entry in entries() if entry.source), "README.md"]
 
 
 def blocks(source: str) -> list[Block]:

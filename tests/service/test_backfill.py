@@ -8,14 +8,13 @@ from typing import Any
 import pytest
 
 from calibdb import schema
-from infra.deploy.template import parse
 from infra.server import jobs
 from infra.server.server import Server
-from tests.helpers.service import iam
+from tests.helpers.data import ROOT
 from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration, publish, store
 
-ROOT = Path(__file__).parents[2]
+DEFINITION = json.loads((ROOT / "infra/backfill.asl.json").read_text())
 CAMERAS = ("Backfilled one", "Backfilled two")
 MODELS = set(schema.DISTORTION_MODELS)
 EVERYTHING = {(CAMERAS[0], 0.0): MODELS, (CAMERAS[1], 0.0): MODELS, (CAMERAS[1], 2.0): MODELS}
@@ -53,37 +52,29 @@ def test_backfill_command_fills_the_table(operator: Operator) -> None:
     with Server(operator.folder) as stack:
         assert known(stack) == EVERYTHING
     assert "3 modes of cameras checked, 0 consensuses computed" in operator("backfill")
-
-
-def test_stopped_backfill_continues(operator: Operator) -> None:
     first, other = sorted(calibration(camera, 0).camera_key for camera in CAMERAS)
-    printed = operator("backfill", "--after", first)
-    assert first not in printed
-    assert other in printed
+    continued = operator("backfill", "--after", first)
+    assert first not in continued
+    assert other in continued
 
 
 def test_state_machine_backfills_every_object(stack: Server) -> None:
-    definition = iam.definition(parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"])
-    outer = definition["States"][definition["StartAt"]]
+    outer = DEFINITION["States"][DEFINITION["StartAt"]]
     assert outer["ItemReader"]["Resource"].endswith(":s3:listObjectsV2")
-    assert outer["ItemProcessor"]["ProcessorConfig"]["Mode"] == "DISTRIBUTED"
     prefix, size = outer["ItemReader"]["Parameters"]["Prefix"], outer["ItemBatcher"]["MaxItemsPerBatch"]
-    items = [{"Key": name, "Size": 1000} for name in stack.storage.objects.names(prefix)]
     child = outer["ItemProcessor"]["States"]
     first = child[outer["ItemProcessor"]["StartAt"]]
-    assert first["Parameters"]["Payload.$"] == "$"
-    assert first["ResultSelector"] == {"requests.$": "$.Payload.requests"}
     second = child[first["Next"]]
-    assert second["ItemsPath"] == "$.requests"
     (refit,) = second["ItemProcessor"]["States"].values()
-    assert refit["Parameters"]["Payload.$"] == "$"
+    for task, function in ((first, "${Backfill}"), (refit, "${Refit}")):
+        assert task["Parameters"] == {"FunctionName": function, "Payload.$": "$"}
+    assert first["ResultSelector"] == {"requests.$": "$.Payload.requests"}
+    assert second["ItemsPath"] == "$.requests"
+    items = [{"Key": name, "Size": 1000} for name in stack.storage.objects.names(prefix)]
     for start in range(0, len(items), size):
-        found = invoke("backfill", {"Items": items[start : start + size]})
-        for request in found["requests"]:
+        for request in invoke("backfill", {"Items": items[start : start + size]})["requests"]:
             invoke("refit", request)
     assert known(stack) == EVERYTHING
-    functions = {first["Parameters"]["FunctionName"], refit["Parameters"]["FunctionName"]}
-    assert functions == {"${Backfill}", "${Refit}"}
 
 
 def invoke(function: Any, payload: Any) -> Any:
@@ -111,7 +102,7 @@ MAX_PAYLOAD_BYTES = 256 * 1024  # of a state's input and output; AWS Step Functi
 
 def test_payloads_of_a_large_backfill_stay_within_the_limits() -> None:
     """The results of all children together are the map's output; so each child's are nothing."""
-    machine = json.loads((ROOT / "infra/backfill.asl.json").read_text())["States"]["EveryCalibration"]
+    machine = DEFINITION["States"]["EveryCalibration"]
     last = machine["ItemProcessor"]["States"]["EveryMode"]
     assert last["End"]
     assert last["ResultSelector"] == {}

@@ -8,20 +8,15 @@ import pytest
 from calibdb.http.call import Call
 from calibsolver.capture import Capture
 from tests.helpers.service.client import Answer, Client, Truth
+from tests.helpers.service.published import mirrored, views
 
 JOBS = False
 Corners = dict[str, Any]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def corners() -> list[Corners]:
-    truth, rng = Truth(), np.random.default_rng(0)
-    views = []
-    for turn in range(8):
-        rvec = [0.5 * np.cos(turn), 0.5 * np.sin(turn), rng.uniform(-0.2, 0.2)]
-        ids, points = truth.see({"rvec": rvec, "tvec": [-4.0, -3.0, rng.uniform(8, 11)]})
-        views.append({"ids": ids, "points": points})
-    return views
+    return views(Truth(), 8)
 
 
 @pytest.fixture
@@ -32,10 +27,6 @@ def recorded(client: Client) -> Client:
 
 def send(client: Client, views: list[Corners], index: int = 0) -> Answer:
     return client.call("POST", "/v1/session/batch", {"index": index, "views": views})
-
-
-def mirrored(view: Corners) -> Corners:
-    return {**view, "points": [[1279 - x, y] for x, y in view["points"]]}
 
 
 def test_batch_gives_the_results_and_the_camera_of_single_views(
@@ -117,15 +108,19 @@ def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corne
 def test_batch_without_time_returns_the_results_it_has(
     recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch, left_s: float
 ) -> None:
-    judged = []
+    judge, judged = Capture.judge, []
     after_third = iter([left_s])
+
+    def counted(*arguments: Any, **options: Any) -> Any:
+        judged.append(judge(*arguments, **options))
+        return judged[-1]
 
     def seconds_left(_: Call) -> float:
         return 2.0 if len(judged) < 3 else next(after_third, 0.0)
 
     with monkeypatch.context() as patch:
         patch.setattr(Call, "seconds_left", seconds_left)
-        patch.setattr("calibsolver.capture.Capture.judge", counted(judged))
+        patch.setattr(Capture, "judge", counted)
         answer = send(recorded, corners).json
     assert [result["index"] for result in answer["results"]] == [0, 1, 2]
     assert len(recorded.state()["views"]) == 3
@@ -134,13 +129,3 @@ def test_batch_without_time_returns_the_results_it_has(
     with monkeypatch.context() as patch:
         patch.setattr(Call, "seconds_left", lambda _: 0.0)
         assert send(recorded, corners[:1], index=8).status in (409, 503)
-
-
-def counted(judged: list[object]) -> Any:
-    judge = Capture.judge
-
-    def run(self: Capture, *arguments: Any, **options: Any) -> Any:
-        judged.append(judge(self, *arguments, **options))
-        return judged[-1]
-
-    return run

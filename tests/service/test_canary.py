@@ -1,8 +1,8 @@
 """The canary against a served stack."""
 
 from collections.abc import Iterator
-from typing import Any
 
+import boto3
 import pytest
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
@@ -11,6 +11,7 @@ from calibdb.http import canary_capture
 from functions.canary import app as canary
 from infra.deploy import page_token
 from infra.server.server import DEVELOPMENT_TOKEN, Server
+from tests.helpers.aws import account
 from tests.helpers.service.client import Client
 from tests.helpers.service.published import store
 
@@ -67,25 +68,18 @@ def test_canary_that_measures_wrongly_fails(stack: Server, monkeypatch: pytest.M
 
 
 def test_deployment_gives_the_canary_a_token_once(stack: Server) -> None:
-    kept = {}
-
-    class Parameters:
-        def get_parameters(self, *, Names: list[str], **_: object) -> Any:  # noqa: N803
-            return {"Parameters": [{"Name": n, "Value": kept[n]} for n in Names if n in kept]}
-
-        def put_parameter(self, *, Name: str, Value: str, Type: str, Overwrite: bool) -> None:  # noqa: N803
-            assert (Type, Overwrite) == ("SecureString", True)
-            kept[Name] = Value
-
     made = {
         "TableName": stack.environment["TABLE_NAME"],
         "KeypointBucketName": stack.environment["BUCKET_NAME"],
         "SiteUrl": "https://calibdb.example",
         "DistributionDomain": "d1.cloudfront.net",
     }
-    for _ in range(2):
-        page_token.give_canary(made, "us-east-1", Parameters(), "calibdb")
-    ((name, value),) = kept.items()
-    assert name == "/calibdb/calibdb/CANARY_TOKEN"
-    token = store(stack).tokens.get(value.split("_")[1])
+    with account():
+        ssm = boto3.client("ssm", "us-east-1")
+        for _ in range(2):
+            page_token.give_canary(made, "us-east-1", ssm, "calibdb")
+        name = "/calibdb/calibdb/CANARY_TOKEN"
+        parameter = ssm.get_parameter(Name=name, WithDecryption=True)["Parameter"]
+    assert (parameter["Type"], parameter["Version"]) == ("SecureString", 1)
+    token = store(stack).tokens.get(parameter["Value"].split("_")[1])
     assert (token.plan, token.origins) == ("free", ("https://calibdb.example", "https://d1.cloudfront.net"))

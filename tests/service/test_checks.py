@@ -11,7 +11,7 @@ from calibdb import schema
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
-from tests.helpers.service.published import NOW, TILTS, calibration, pooled, store, stored
+from tests.helpers.service.published import NOW, TILTS, calibration, mirrored, pooled, store, stored
 
 ENVIRONMENT = {"MIN_CALIBRATIONS": "2"}  # five only take longer
 JOBS = False
@@ -142,10 +142,9 @@ def test_unusable_checks_are_refused(stack: Server, known: str) -> None:
     assert check(stack, known, zoom=2).status == 404
     rng = np.random.default_rng(0)
     noise = [{"ids": list(range(40)), "points": rng.uniform(0, 700, (40, 2)).tolist()}]
-    mirrored = [{**view, "points": [[1279 - x, y] for x, y in view["points"]]} for view in views(3)]
     refused = [
         ([], "views"),
-        (mirrored, "views.0"),
+        ([mirrored(view) for view in views(3)], "views.0"),
         (views(6), "views"),
         (noise, "views"),
         ([{"ids": list(range(8)), "points": [[9 * n, 300] for n in range(8)]}], "views.0"),
@@ -157,8 +156,14 @@ def test_unusable_checks_are_refused(stack: Server, known: str) -> None:
     assert client.call("POST", "/v1/checks", {**CAMERA, "views": views()}, token=TOKEN).status == 403
 
 
-def test_given_calibration_is_compared_without_a_vote(stack: Server, known: str) -> None:
-    given = calibration(known, 0).answer().model_dump(mode="json")
+@pytest.fixture
+def given() -> dict[str, Any]:
+    return calibration("Camera of a file", 0).answer().model_dump(mode="json")
+
+
+def test_given_calibration_is_compared_without_a_vote(
+    stack: Server, known: str, given: dict[str, Any]
+) -> None:
     votes = stored_votes(stack)
     answer = check(stack, known, calibration=given).json
     assert answer.keys() == schema.ComparisonAnswer.model_fields.keys()
@@ -186,15 +191,14 @@ def stored_votes(stack: Server) -> int:
         ({"distortion_coefficients": [0] * 15}, "calibration.distortion_coefficients"),
     ],
 )
-def test_unusable_calibration_is_refused_by_field(stack: Server, changed: dict[str, Any], field: str) -> None:
-    known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
-    answer = check(stack, "Camera of a file", calibration={**known, **changed})
-    assert answer.fields == [field]
+def test_unusable_calibration_is_refused_by_field(
+    stack: Server, given: dict[str, Any], changed: dict[str, Any], field: str
+) -> None:
+    assert check(stack, "Camera of a file", calibration={**given, **changed}).fields == [field]
 
 
-def test_given_nonsense_gets_an_answer(stack: Server) -> None:
-    known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
-    given = {**known, "distortion_coefficients": [1e300, -1e300, 0, 0, 1e300]}
+def test_given_nonsense_gets_an_answer(stack: Server, given: dict[str, Any]) -> None:
+    given["distortion_coefficients"] = [1e300, -1e300, 0, 0, 1e300]
     assert check(stack, "Camera of a file", calibration=given).json["fits"] == "does_not_fit"
 
 

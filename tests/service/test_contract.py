@@ -4,7 +4,6 @@ import cv2
 import numpy as np
 import pytest
 
-from calibdb import schema
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.in_process import request
@@ -12,8 +11,6 @@ from tests.helpers.service.in_process import request
 JOBS = False
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
-WITH_A_FIT = {"board_shape"}
-"""Keys of a state that are missing until its views show the board's shape."""
 
 
 def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
@@ -59,21 +56,11 @@ def test_session_accepts_every_field_of_the_contract(client: Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("headers", "media_type"),
-    [
-        ({}, "image/jpeg"),
-        ({"accept": "text/html, application/json;q=0.9"}, "application/json"),
-    ],
+    ("headers", "media_type"), [({}, "image/jpeg"), ({"accept": "text/html, image/png;q=0.9"}, "image/png")]
 )
-def test_pose_follows_the_accept_header(running: Client, headers: dict[str, str], media_type: str) -> None:
-    answer = running.call("GET", "/v1/session/pose", headers=headers)
-    assert answer.headers["content-type"] == media_type
-
-
-@pytest.mark.parametrize("media_type", ["image/jpeg", "image/png"])
-def test_the_picture_shows_the_pose(running: Client, media_type: str) -> None:
+def test_the_picture_shows_the_pose(running: Client, headers: dict[str, str], media_type: str) -> None:
     outline = np.array(running.pose().json["outline"])
-    answer = running.call("GET", "/v1/session/pose", headers={"accept": media_type})
+    answer = running.call("GET", "/v1/session/pose", headers=headers)
     assert answer.headers["content-type"] == media_type
     picture = cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_COLOR)
     assert picture.shape == (720, 1280, 3)
@@ -98,14 +85,11 @@ def test_pose_stays_until_a_view_or_a_skip(running: Client) -> None:
 def test_a_view_becomes_part_of_the_session(running: Client) -> None:
     ids, points = Truth().see(running.pose().json)
     answer = running.view(0, ids, points).json
-    assert answer.keys() == schema.ViewAnswer.model_fields.keys() - WITH_A_FIT
     assert (answer["accepted"], answer["reason"]) == (True, None)
     (view,) = answer["views"]
     assert (view["index"], view["points"]) == (0, len(ids))
     assert 0 < answer["progress"] < 1
-    state = running.state()
-    assert state.keys() == schema.SessionState.model_fields.keys() - WITH_A_FIT
-    assert state["views"] == answer["views"]
+    assert running.state()["views"] == answer["views"]
 
 
 def test_undo_takes_a_view_back(running: Client) -> None:

@@ -9,7 +9,6 @@ import pytest
 from calibdb import schema
 from calibdb.access.tokens import ApiToken, secret_hash
 from infra.server.server import Server
-from tests.helpers.marks import thorough
 from tests.helpers.service import published
 from tests.helpers.service.client import EDGE, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, calibration, mode_of, store, views
@@ -59,13 +58,6 @@ def look_up(stack: Server, camera: str) -> Answer:
     return Client(stack).lookup(camera=camera, platform=PLATFORM)
 
 
-def captured(stack: Server, camera: str, address: str) -> Client:
-    client = Client(stack, api_token=TOKENS[0], address=address)
-    state = Truth(seed=4).calibrate(client, camera=camera, platform=PLATFORM)
-    pooled(stack, *store(stack).calibrations.read([state["calibration_id"]]))
-    return client
-
-
 def test_five_tokens_at_one_address_are_one_contributor(stack: Server) -> None:
     for n in range(5):
         document = contributed(stack, "One who captures all day", n, "one place")
@@ -97,7 +89,9 @@ def test_five_of_five_contributors_are_reliable(stack: Server) -> None:
 
 def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Server) -> None:
     camera = "Checked by three"
-    home = captured(stack, camera, "198.51.100.7")
+    home = Client(stack, api_token=TOKENS[0], address="198.51.100.7")
+    state = Truth(seed=4).calibrate(home, camera=camera, platform=PLATFORM)
+    pooled(stack, *store(stack).calibrations.read([state["calibration_id"]]))
     for token in TOKENS:
         own = check(stack, home.address, camera, token=token).json
         assert (own["fits"], own["counted"], own["votes"]["agree"]) == ("fits", False, 0)
@@ -111,18 +105,7 @@ def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Serve
     assert (found.status, found.json["reliable"], found.json["calibrations"]) == (200, True, 1)
 
 
-def test_addresses_of_both_families_count_by_one(stack: Server) -> None:
-    """A line of the network has two: a capture and three checks from one home and one telephone."""
-    camera = "Of one line"
-    captured(stack, camera, "203.0.113.7")
-    for seed, address in enumerate(("2001:db8:aaaa::7", "198.51.100.9", "2001:db8:bbbb::9")):
-        answer = check(stack, address, camera, seed).json
-        assert (answer["fits"], answer["counted"]) == ("fits", True)
-    assert answer["votes"] == {"agree": 2, "disagree": 0}
-    assert answer["calibration"]["reliable"] is False
-
-
-@pytest.mark.parametrize(("noise", "lie"), [(0.2, 1.02), (1.0, 1.1), *thorough((0.5, 1.05))])
+@pytest.mark.parametrize(("noise", "lie"), [(0.2, 1.02), (1.0, 1.1)])
 def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
     stack: Server, noise: float, lie: float
 ) -> None:
@@ -136,18 +119,6 @@ def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
     answers = [check(stack, a, camera, seed).json for seed, a in enumerate(CHECKERS)]
     assert [a["fits"] for a in answers] == ["does_not_fit"] * 3
     assert look_up(stack, camera).json["reason"] == "disagree"
-
-
-def test_ten_contributors_need_four_votes_to_withdraw(stack: Server) -> None:
-    camera = "Well known"
-    for n in range(10):
-        document = contributed(stack, camera, n, f"honest {n}")
-    assert pooled(stack, document).reliable
-    against = [check(stack, address, camera, n, fx=700.0).json for n, address in enumerate(CHECKERS)]
-    assert against[-1]["votes"] == {"agree": 0, "disagree": 3}
-    assert look_up(stack, camera).status == 200
-    assert check(stack, "192.0.2.4", camera, 3, fx=700.0).json["calibration"]["reliable"] is False
-    assert look_up(stack, camera).status == 307
 
 
 def test_cropped_stream_is_not_compared_with_native_streams(stack: Server) -> None:

@@ -5,6 +5,7 @@ import random
 import shutil
 import sqlite3
 import stat
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -53,8 +54,7 @@ def undamaged(tmp_path_factory: pytest.TempPathFactory) -> Path:
         table.put(item(n))
         objects.put(f"calibrations/{n:03d}.json", content(n))
         if n == ROWS // 2:
-            with opened.database.reading() as connection:
-                connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            opened.database.rows("PRAGMA wal_checkpoint(TRUNCATE)")
     shutil.copytree(made, made.with_name("data"))
     opened.close()
     return made.with_name("data")
@@ -202,3 +202,21 @@ def test_backup_of_a_running_server_answers_alike(tmp_path: Path, operator: Oper
     assert "exists" in operator("backup", backup, status=1)
     kept = operator.document("restore", backup)["before"]
     assert (Path(kept) / FILE_NAME).exists()
+
+
+def open_files(path: Path) -> int:
+    """Count the file descriptors of this process that are open on a file."""
+    targets = (os.path.realpath(entry) for entry in Path("/proc/self/fd").iterdir())
+    return sum(target == str(path) for target in targets)
+
+
+def test_threads_of_requests_share_connections(tmp_path: Path) -> None:
+    database, readers = Database(tmp_path), 4
+    table = SqliteTable(database)
+    table.put({"pk": "P", "sk": "S"})
+    for _ in range(50):
+        with ThreadPoolExecutor(readers) as threads:
+            list(threads.map(lambda _: table.get("P", "S"), range(readers)))
+    assert 1 <= open_files(tmp_path / FILE_NAME) <= readers
+    database.close()
+    assert open_files(tmp_path / FILE_NAME) == 0

@@ -1,6 +1,5 @@
 """The code of the documentation, run as it stands there against a stack that knows the examples' camera."""
 
-import base64
 import contextlib
 import io
 import itertools
@@ -15,13 +14,13 @@ import numpy as np
 import pytest
 
 from calibdb_client import Board, session
-from infra.server.server import DEVELOPMENT_TOKEN, Server
+from infra.server.server import Server
 from infra.web_build import recorded_examples
-from infra.web_build.docs.samples import samples
-from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
+from infra.web_build.docs.templates import samples
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
-from infra.web_build.recorded_examples import CALIBRATIONS
+from infra.web_build.operation import TOKEN
+from infra.web_build.operations import EXAMPLE_CAMERA
+from infra.web_build.recorded_examples import CALIBRATIONS, CALLS, SCENARIO, fill_in, learn
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, blocks, sources
 from tests.helpers.marks import thorough
@@ -92,61 +91,35 @@ def run_python(code: str) -> str:
     return output.getvalue()
 
 
-#: runs modules that come in line by line, each in base64, and prints what each printed
-NODE = """
-import { createInterface } from "node:readline";
-for await (const line of createInterface({ input: process.stdin })) {
-  const said = [];
-  console.log = (...words) => said.push(words.join(" "));
-  await import(`data:text/javascript;base64,${line}`);
-  process.stdout.write(`${JSON.stringify(said.join("\\n"))}\\n`);
-}
-"""
-
-
-@contextlib.contextmanager
-def runner(language: str) -> Iterator[Callable[[str], tuple[int | None, str]]]:
-    """Give a function that runs a sample: status, where the sample prints it, and body of the answer."""
-    if language == "curl":
-        yield lambda code: (None, run(["bash", "-e"], CURL + code))
-    elif language == "python":
-        yield lambda code: parted(run_python(code))
-    else:
-        command = ["node", "--input-type=module", "-e", NODE]
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as node:
-
-            def run_module(code: str) -> tuple[int | None, str]:
-                node.stdin.write(base64.b64encode(code.encode()).decode() + "\n")
-                node.stdin.flush()
-                return parted(json.loads(node.stdout.readline()))
-
-            yield run_module
-            node.stdin.close()
-
-
 def parted(said: str) -> tuple[int, str]:
     status, _, body = said.partition(" ")
     return int(status), body.strip()
 
 
+#: how a sample is run: status, where the sample prints it, and body of the answer
+RUN: dict[str, Callable[[str], tuple[int | None, str]]] = {
+    "curl": lambda code: (None, run(["bash", "-e"], CURL + code)),
+    "python": lambda code: parted(run_python(code)),
+    "fetch": lambda code: parted(run(["node", "--input-type=module"], code)),
+}
+
+
 @pytest.mark.parametrize("languages", ["fetch python", *thorough("fetch", "python", "curl")])
 def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, languages: str) -> None:
     """Each call in the next of the languages."""
-    expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
+    expected = {name: min(operation.answers) for name, operation in CALLS.items()}
     assert set(SCENARIO) == set(expected), "every call has an example"
     values = {}
-    with contextlib.ExitStack() as stack:
-        run_sample = {language: stack.enter_context(runner(language)) for language in languages.split()}
-        for call, language in zip(calls(), itertools.cycle(run_sample), strict=False):
-            site.prepare_call(call.name, values)
-            code = fill_in(samples(call)[language], values).replace(SITE, site.stack.url)
-            status, body = run_sample[language](code)
-            assert status in (None, expected[call.name]), (call.name, body)
-            example = EXAMPLES[call.name]
-            if isinstance(example, dict):
-                answer = json.loads(body)
-                assert set(answer) == set(example), f"{call.name}: make .build/examples.json"
-                learn(values, call.name, answer)
+    for name, language in zip(SCENARIO, itertools.cycle(languages.split()), strict=False):
+        site.prepare_call(name, values)
+        code = fill_in(samples(CALLS[name])[language], values).replace(SITE, site.stack.url)
+        status, body = RUN[language](code)
+        assert status in (None, expected[name]), (name, body)
+        example = EXAMPLES[name]
+        if isinstance(example, dict):
+            answer = json.loads(body)
+            assert set(answer) == set(example), f"{name}: make .build/examples.json"
+            learn(values, name, answer)
 
 
 def code_of(source: str, language: str) -> list[str]:
@@ -184,10 +157,6 @@ def test_json_of_the_documents_is_json() -> None:
         for block in blocks(source):
             if block.language == "json":
                 json.loads(block.code)
-
-
-def test_token_of_the_samples_is_that_of_local_stacks() -> None:
-    assert TOKEN == DEVELOPMENT_TOKEN
 
 
 class FakeCamera:

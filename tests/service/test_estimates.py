@@ -58,13 +58,6 @@ def test_every_camera_has_an_estimate(stack: Server, camera: str, platform: str,
             assert hfov_deg(size[0], fx) == pytest.approx(likely["hfov_deg"], abs=0.02)
 
 
-def test_every_form_of_a_miss_carries_it(stack: Server) -> None:
-    expected = estimate(stack, "Razer Kiyo", WINDOWS)
-    for redirect, status in ((True, 307), (False, 404)):
-        answer = ask(stack, "Razer Kiyo", WINDOWS, redirect=redirect)
-        assert (answer.status, answer.json["estimate"]) == (status, expected)
-
-
 def width(likely: dict[str, Any]) -> float:
     low, high = likely["interval_90"]["hfov_deg"]
     return float(high - low)
@@ -74,14 +67,10 @@ def hfov_deg(width_px: float, fx: float) -> float:
     return 2 * math.degrees(math.atan(width_px / (2 * fx)))
 
 
-def test_a_cropped_stream_has_a_wider_interval(stack: Server) -> None:
-    plain = estimate(stack, "HD Pro Webcam C920", WINDOWS)
-    cropped = estimate(stack, "HD Pro Webcam C920", WINDOWS, resize_mode="crop-and-scale")
+def test_a_crop_widens_the_interval_and_a_zoom_narrows_the_field(stack: Server) -> None:
+    asked = ({}, {"resize_mode": "crop-and-scale"}, {"zoom": 2.0})
+    plain, cropped, zoomed = (estimate(stack, "HD Pro Webcam C920", WINDOWS, **more) for more in asked)
     assert width(cropped) > 2 * width(plain)
-
-
-def test_a_zoom_narrows_the_field(stack: Server) -> None:
-    plain, zoomed = (estimate(stack, "HD Pro Webcam C920", WINDOWS, zoom=zoom) for zoom in (0.0, 2.0))
     ratio = zoomed["camera_matrix"][0][0] / plain["camera_matrix"][0][0]
     assert ratio == pytest.approx(2.0, rel=0.01)
 
@@ -100,7 +89,6 @@ def test_what_the_device_reports_counts(stack: Server) -> None:
     assert likely["basis"] == "device"
     assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
     assert ask(stack, C920, reported={"focal_35mm": -1}).status == 422
-    assert ask(stack, C920, device="x" * 65).status == 422
 
 
 def test_a_photographs_zoom_is_its_focal_length(stack: Server) -> None:
@@ -133,13 +121,6 @@ def test_a_wrong_calibration_does_not_win_over_published_ones(stack: Server) -> 
     assert low < 53 < high
 
 
-def test_a_miss_reads_no_more_and_writes_nothing(stack: Server) -> None:
-    put(store(stack), consensus(camera="Started Cam S1 (1111:0002)", reason="too_few"))
-    with storage_calls(stack) as calls:
-        estimate(stack, "Started Cam S1 (1111:0002)")
-    assert calls == ["Query"]
-
-
 def test_a_hit_has_the_estimate_without_it_only_if_asked(stack: Server) -> None:
     camera = "Compared Cam K1 (1111:0005)"
     before = estimate(stack, camera, img_size=(1920, 1080))
@@ -160,10 +141,3 @@ def test_command_says_what_is_likely(tmp_path: Path) -> None:
     likely = run(main, "lookup", photo, "--no-cache", "--json", status=1).document["estimate"]
     assert likely["img_size"] == list(IMG_SIZE)
     assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
-
-
-def test_a_session_of_an_identified_phone_is_that_phones(stack: Server) -> None:
-    client = Client(stack)
-    assert client.open(camera="Back Camera", platform=IPHONE, device="iPhone14,5").status == 201
-    assert client.state()["platform"] == f"{IPHONE}; iPhone14,5"
-    assert client.open(camera="Back Camera", platform=IPHONE, device="<script>").status == 422

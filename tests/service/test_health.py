@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections.abc import Callable
 from typing import Any
 from urllib.request import OpenerDirector
 
@@ -82,11 +81,8 @@ def test_part_that_fails_is_named_and_nothing_of_why(
     body = answer.json
     assert states(body) == {name: name != part for name in PARTS}
     assert [each["latency_ms"] for each in body["parts"] if not each["ok"]] == [None]
-    for secret in (
-        SECRETS,
-        "Error",
-        *(client.stack.environment[f"{name}_NAME"] for name in ("TABLE", "BUCKET")),
-    ):
+    names = (client.stack.environment[f"{name}_NAME"] for name in ("TABLE", "BUCKET"))
+    for secret in (SECRETS, "Error", *names):
         assert secret.encode() not in answer.body
     assert client.call("GET", "/healthz").status == 200
 
@@ -105,45 +101,29 @@ def test_failed_canary_is_shown_until_it_is_old(client: Client) -> None:
     assert deep(client).json["canary"] is None  # it was switched off
 
 
-def doing_nothing() -> Callable[[], None]:
-    return lambda: None
-
-
 def test_slow_part_takes_its_own_time_and_is_not_asked_again_meanwhile() -> None:
     release, asked = threading.Event(), []
 
-    def hang() -> Callable[[], None]:
+    def hang() -> None:
         asked.append(1)
-        return lambda: void(release.wait(30))
+        release.wait(30)
 
     slow = Part("edge", 0.05, hang)
-    checks = PartChecks(((slow, Part("table", 5.0, doing_nothing)), (Part("solver", 5.0, doing_nothing),)))
+    table, solver = (Part(name, 5.0, lambda: None) for name in ("table", "solver"))
+    checks = PartChecks(((slow, table), (solver,)))
     start = time.monotonic()
     for _ in range(5):
-        assert [(found.part, found.ok) for found in checks()] == [
-            ("edge", False),
-            ("table", True),
-            ("solver", True),
-        ]
+        assert {found.part: found.ok for found in checks()} == {"edge": False, "table": True, "solver": True}
     assert time.monotonic() - start < 5
     assert len(asked) == 1
     release.set()
-
-
-def void(_: object) -> None:
-    """Take a value for nothing."""
 
 
 def test_parts_are_checked_once_in_ten_seconds_however_many_ask(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     asked = []
     now = [0.0]
-
-    def count() -> Callable[[], None]:
-        asked.append(1)
-        return lambda: None
-
-    checks = PartChecks(((Part("table", 5.0, count),),), lambda: now[0])
+    checks = PartChecks(((Part("table", 5.0, lambda: asked.append(1)),),), lambda: now[0])
     threads = [threading.Thread(target=checks) for _ in range(20)]
     for thread in threads:
         thread.start()

@@ -17,39 +17,23 @@ import pytest
 from infra.ci.import_handlers import functions, sources
 from tests.helpers.data import ROOT
 
-#: Imports each function in a fork of its own, made when what it shares with others is loaded. `groups`:
-#: layers besides the first one, shared modules, and the folders of the functions that have them.
+#: Imports each of some functions in a fork of its own, made when what it shares with the others is loaded
 FORKING = """
 import importlib, json, os, sys
 
-def fork(work, *arguments):
-    sys.stdout.flush()
-    child = os.fork()
-    if not child:
-        work(*arguments)
-        sys.stdout.flush()
-        os._exit(0)
-    if os.waitpid(child, 0)[1]:
-        sys.exit(str(arguments))
-
-def load(folder):
-    sys.path.insert(0, folder)
-    import app
-    assert callable(app.handler)
-    print(json.dumps([folder, sorted(sys.modules), sorted(sys.path)]))
-
-def load_group(layers, shared, folders):
-    sys.path[1:1] = layers
-    for name in shared:
-        importlib.import_module(name)
-    for folder in folders:
-        fork(load, folder)
-
-sys.path.insert(0, {layer!r})
-for name in {shared}:
+layers, shared, folders = json.loads(sys.argv[1])
+sys.path[:0] = layers
+for name in shared:
     importlib.import_module(name)
-for group in {groups}:
-    fork(load_group, *group)
+for folder in folders:
+    if not os.fork():
+        sys.path.insert(0, folder)
+        import app
+        assert callable(app.handler)
+        print(json.dumps([folder, sorted(sys.modules), sorted(sys.path)]), flush=True)
+        os._exit(0)
+    if os.wait()[1]:
+        sys.exit(folder)
 """
 #: where compiled modules are kept: isolated, an interpreter does not hear of it from the environment
 COMPILED = ("-X", f"pycache_prefix={sys.pycache_prefix}") if sys.pycache_prefix else ()
@@ -107,15 +91,15 @@ def imported(layers: dict[str, Path]) -> dict[str, tuple[set[str], list[str]]]:
     alike = {}
     for folder, solver in functions(sources(ROOT)):
         alike.setdefault((solver, Path(folder).name in ELSEWHERE), []).append(str(ROOT / folder))
-    groups = [
-        ([str(layers["solver"])] if solver else [], SHARED_COMPUTED if computing else (), folders)
-        for (solver, computing), folders in alike.items()
-    ]
-    script = FORKING.format(layer=str(layers["service"]), shared=SHARED, groups=groups)
-    command = [sys.executable, "-I", "-S", *COMPILED, "-c", script]  # without site-packages
-    done = subprocess.run(command, capture_output=True, check=False, text=True)
-    assert done.returncode == 0, done.stderr
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    lines = []
+    for (solver, computing), folders in alike.items():
+        places = [str(layers[name]) for name in ("service", "solver")[: 1 + solver]]
+        shared = (*SHARED, *(SHARED_COMPUTED if computing else ()))
+        script = [*COMPILED, "-c", FORKING, json.dumps([places, shared, folders])]
+        command = [sys.executable, "-I", "-S", *script]  # without site-packages
+        done = subprocess.run(command, capture_output=True, check=False, text=True)
+        assert done.returncode == 0, done.stderr
+        lines += map(json.loads, done.stdout.splitlines())
     return {Path(folder).name: (set(modules), path) for folder, modules, path in lines}
 
 

@@ -1,4 +1,4 @@
-"""Known cameras by GET."""
+"""Known cameras by GET, and counts of lookups that found nothing."""
 
 import json
 from collections.abc import Iterator
@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from calibdb.lookup.reports import AliasFilter
+from calibdb.camera_key import camera_key
+from calibdb.lookup.reports import MAX_CAMERAS, REPORT_S, AliasFilter, MissCounter
 from calibdb.store.aliases import (
     ALIAS_EXPIRY_S,
     ALIAS_RENEWAL_S,
@@ -18,10 +19,14 @@ from calibdb.store.aliases import (
 )
 from calibdb.store.sqlite import Database, SqliteTable
 from infra.server.server import Server
+from tests.helpers.clock import Clock
 from tests.helpers.service.client import Client
 from tests.helpers.service.in_process import Response, request
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, publish, store
+from tests.helpers.service.index_items import items
+from tests.helpers.service.known import C920, LINUX, consensus
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, publish, put, store
 from tests.helpers.service.storage_calls import storage_calls
+from tests.helpers.service.stores import override_service
 
 CAMERA = "Known by all (046d:0825)"
 DIGEST = alias_digest(CAMERA, PLATFORM)
@@ -152,3 +157,47 @@ def test_filter_looks_after_each_alias_once_a_day() -> None:
     times = (0, 1, DAY_S - 1, DAY_S, DAY_S)
     assert [seen.admit(("a", "b"), now) for now in times] == [True, False, False, True, False]
     assert seen.admit(("a", "c"), 0)
+
+
+@pytest.fixture
+def late() -> Iterator[Clock]:
+    clock = Clock(1_800_000_000)
+    with override_service(clock=clock):
+        yield clock
+
+
+def test_misses_are_counted_by_camera_and_written_later(late: Clock) -> None:
+    with Server(environment={"MIN_CONTRIBUTORS": "3"}) as stack:
+        key = camera_key(C920, LINUX)
+        put(store(stack), consensus(camera=C920, platform=LINUX, reason="disagree", calibrations=4))
+        client = Client(stack)
+
+        def ask(*labels: str) -> None:
+            for label in labels:
+                answer = client.lookup(camera=label, platform=LINUX, redirect=False)
+                assert answer.status == 404
+
+        def written() -> dict[str, int]:
+            stack.wait_until_idle(60)
+            found = items(stack).items()
+            return {sk: int(str(i["asked"])) for (pk, sk), i in found if pk.startswith("ASKED#")}
+
+        ask(C920)
+        assert written() == {f"CAMERA#{key}": 1}, "an instance may not live long"
+        ask(*[C920] * 2, "Cheap drugs (046d:0825)", "Buy it now! 12", "Integrated Camera")
+        assert written() == {f"CAMERA#{key}": 1}, "few lookups write"
+        late.now += REPORT_S + 1
+        ask(C920)
+        assert written() == {f"CAMERA#{key}": 4, "CAMERA#usb#046d:0825": 1}
+        assert store(stack).miss_counts.most(int(late())) == [(key, 4), ("usb#046d:0825", 1)]
+        assert store(stack).miss_counts.most(int(late()) + 92 * 86_400) == []
+
+
+def test_miss_counter_is_bounded() -> None:
+    counter = MissCounter()
+    assert counter.count("usb#046d:0000", 0.0) == {"usb#046d:0000": 1}, "the first is reported at once"
+    for n in range(3 * MAX_CAMERAS):
+        assert counter.count(f"usb#046d:{n:04x}", 1.0) == {}
+    reported = counter.count("usb#046d:0000", REPORT_S)
+    assert (len(reported), reported["usb#046d:0000"]) == (MAX_CAMERAS, 2)
+    assert counter.count("usb#046d:0000", REPORT_S + 1) == {}

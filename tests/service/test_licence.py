@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from calibdb.dump.public_copy import public_copy
-from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.published import store
 
 JOBS = False
@@ -38,12 +38,6 @@ def consent(of: Any) -> dict[str, Any]:
     return {name: of[name] for name in CONSENT}
 
 
-def test_other_consent_is_another_session(client: Client) -> None:
-    assert client.open(**CONSENT).status == 201
-    assert client.call("POST", "/v1/session", {**CAMERA, **CONSENT}).status == 201
-    assert client.call("POST", "/v1/session", CAMERA).status == 409
-
-
 def test_licence_is_added_to_a_published_calibration_once(client: Client) -> None:
     ended = Truth(seed=3).calibrate(client, camera="Licensed Z2", **BRIEF)
     calibrations = store(client.stack).calibrations
@@ -61,7 +55,6 @@ def test_licence_is_added_to_a_published_calibration_once(client: Client) -> Non
     assert client.state()["calibration"] == ended["calibration"]
 
 
-def test_licence_is_added_to_a_session_before_it_ends(client: Client) -> None:
-    client.open(camera="Licensed Z3")
-    assert client.call("POST", "/v1/session/licence", CONSENT).json["licence"] == "CC0-1.0"
-    assert client.call("GET", "/v1/session").json["licence_version"] == "2026-11-22"
+def test_licence_is_added_to_a_session_before_it_ends(running: Client) -> None:
+    running.call("POST", "/v1/session/licence", CONSENT)
+    assert consent(running.state()) == CONSENT

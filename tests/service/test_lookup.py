@@ -81,6 +81,17 @@ def test_a_miss_says_why_and_computes_nothing(
     refused = ask(stack, camera, **options, redirect=False)
     assert (refused.status, refused.json["reason"]) == (404, reason)
     assert refused.json["detail"] == answer.json["detail"]
+    missed = ask(stack, camera, **options, miss="ok").json
+    assert (missed["calibration"], missed["guidance_url"]) == (None, answer.json["guidance_url"])
+    assert answer.json["estimate"] == refused.json["estimate"] == missed["estimate"]
+    assert missed["estimate"]["hfov_deg"] > 0
+
+
+def test_guidance_page_of_a_miss_by_get_is_not_cached(stack: Server) -> None:
+    query = "camera=No+one%27s&platform=X11&img_size=1280x720&miss=ok"
+    visited = Client(stack).call("GET", "/v1/lookup", query=query)
+    assert (visited.status, visited.headers["cache-control"]) == (200, "no-store")
+    assert "camera=No+one%27s&platform=X11" in visited.json["guidance_url"]
 
 
 def test_a_size_between_two_that_scale(stack: Server) -> None:
@@ -123,22 +134,6 @@ def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> No
             well_known_ids.refresh_well_known(store, camera_key(label, LINUX), rules)
             answer = ask(stack, name)
             assert answer.status == status
+        generic = ask(stack, "Integrated Camera")
     assert answer.json["detail"] == camera_match.SEVERAL
-
-
-def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
-    put(store, consensus(camera="Integrated Camera"))
-    assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
-    with variables_set(PUBLIC):
-        answer = ask(stack, "Integrated Camera", redirect=False)
-        assert (answer.status, "USB id" in answer.json["detail"]) == (404, True)
-
-
-def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) -> None:
-    label = "Cropped X5 (1111:0005)"
-    store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))
-    key = camera_key(label, LINUX)
-    shown = Client(stack).call("GET", f"/v1/calibrations/{key}-{0:020x}")
-    assert shown.status == 200
-    detail = Client(stack).call("GET", f"/v1/cameras/{key}")
-    assert (detail.status, detail.json["modes"]) == (200, [])
+    assert generic.json["detail"] == camera_match.AMBIGUOUS, "at home one knows which is meant"

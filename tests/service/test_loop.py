@@ -9,7 +9,9 @@ import pytest
 
 from calibdb import schema
 from infra.server.server import Server
+from tests.bench.captures import main
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.commands import run
 from tests.helpers.service.published import calibration, publish
 
 
@@ -74,16 +76,6 @@ def test_the_older_public_clients_spellings(client: Client) -> None:
     assert client.call("GET", "/v1/lookup", token="", query=query).json == answer.json
 
 
-def test_missing_model_is_computed_from_keypoints(stack: Server, client: Client) -> None:
-    before = client.lookup(distortion_model="fisheye").json
-    key = before["id"].partition("~")[0]
-    place = f"CAMERA#{key}", "CONSENSUS#1280x720#0#fisheye"
-    stack.storage.table.delete(*place)
-    answer = client.lookup(distortion_model="fisheye", img_size=[640, 360])
-    assert answer.json == {**before, "exact_size": False}
-    assert stack.storage.table.get(*place) is not None
-
-
 def test_answered_consensus_is_found_by_its_id(client: Client, known: list[Any]) -> None:
     for expected in (client.lookup().json, known[1]["calibration"]):
         found = client.calibration(expected["id"]).json
@@ -91,3 +83,8 @@ def test_answered_consensus_is_found_by_its_id(client: Client, known: list[Any])
         assert of_both == schema.Calibration.model_fields.keys()
         assert {k: found[k] for k in of_both} == {k: expected[k] for k in of_both}
         assert client.calibration(expected["id"], "format=calibdb").json == found
+
+
+def test_any_stack_can_be_driven(url: str) -> None:
+    assert "1 captures in" in run(main, url, "--sessions", "1", "--clients", "1").out
+    assert "403" in run(main, url, "--token", "cdb_no_token", "--sessions", "1", status=1).err

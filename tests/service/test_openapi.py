@@ -1,7 +1,5 @@
 """The OpenAPI document promises what the template routes and the functions serve."""
 
-import json
-
 import pytest
 
 from calibdb import schema
@@ -11,14 +9,11 @@ from infra.deploy.template import parse
 from infra.web_build import openapi
 from infra.web_build.site import ROOT
 
-
-@pytest.fixture(scope="module")
-def document() -> dict:
-    return json.loads(openapi.text())
+DOCUMENT = openapi.document()
 
 
-def test_openapi_has_the_routes_of_the_template(document: dict) -> None:
-    described = {(m.upper(), path) for path, methods in document["paths"].items() for m in methods}
+def test_openapi_has_the_routes_of_the_template() -> None:
+    described = {(m.upper(), path) for path, methods in DOCUMENT["paths"].items() for m in methods}
     template = parse(ROOT / "template.yaml")["Resources"].values()
     events = [
         event["Properties"] for each in template for event in each["Properties"].get("Events", {}).values()
@@ -28,10 +23,10 @@ def test_openapi_has_the_routes_of_the_template(document: dict) -> None:
     assert described == routed
 
 
-def test_every_call_but_health_a_badge_and_a_new_token_asks_for_a_credential(document: dict) -> None:
+def test_every_call_but_health_a_badge_and_a_new_token_asks_for_a_credential() -> None:
     open_to_all = {"/healthz", "/v1/tokens", "/badge/{key}/{file}", "/known/v1/{digest}/{size}/{zoom}/{file}"}
-    schemes = document["components"]["securitySchemes"].keys()
-    for path, methods in document["paths"].items():
+    schemes = DOCUMENT["components"]["securitySchemes"].keys()
+    for path, methods in DOCUMENT["paths"].items():
         for method, operation in methods.items():
             wanted = {name for choice in operation.get("security", []) for name in choice}
             assert wanted <= schemes

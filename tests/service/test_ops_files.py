@@ -11,15 +11,17 @@ from pyarrow import parquet
 
 from calibdb.camera_key import camera_key
 from calibdb.schema import DISTORTION_MODELS
+from calibsolver import formats
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.commands import Operator
 from tests.helpers.service.published import calibration
+from tests.helpers.solver.export_sources import subject
 
 LABEL = "Anna's iPhone Camera"
 PLATFORM = "iPhone; CPU iPhone OS 17_1 like Mac OS X"
-LICENSED = {"licence": "CC0-1.0"}
+LICENSED = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
 
 
 @pytest.fixture(scope="module")
@@ -128,18 +130,11 @@ def test_a_broken_dump_is_not_taken_in_by_half(
 
 def test_contradictory_rows_seed_nothing(operator: Operator, tmp_path: Path) -> None:
     file = tmp_path / "rows.csv"
-    file.write_text(
-        "brand,model,lens,w,h,fx,fy,cx,cy,k1,k2,k3,k4\n"
-        "A,One camera,,1280,720,900,900,640,360,0,0,0,0\n"
-        "A,One camera,,1280,720,930,930,640,360,0,0,0,0\n"
-        "A,One camera,,1280,720,910,910,640,360,0,0,0,0\n"
-        "A,Two lenses,,1280,720,900,900,640,360,0,0,0,0\n"
-        "A,Two lenses,,1280,720,1400,1400,640,360,0,0,0,0\n"
-        "A,No camera,,1280,720,-900,900,640,360,0,0,0,0\n"
-        "A,No camera,,1280,720,900,900,6400,360,0,0,0,0\n"
-        "A,No camera,,1,720,900,900,0.5,360,0,0,0,0\n"
-        "A,No number,,1280,720,nan,900,640,360,0,0,0,0\n"
-    )
+    focals = [("One camera", "900"), ("One camera", "930"), ("One camera", "910")]
+    focals += [("Two lenses", "900"), ("Two lenses", "1400"), ("No camera", "-900"), ("No number", "nan")]
+    rows = [f"A,{model},,1280,720,{f},{f},640,360,0,0,0,0" for model, f in focals]
+    rows += ["A,No camera,,1280,720,900,900,6400,360,0,0,0,0", "A,No camera,,1,720,900,900,0.5,360,0,0,0,0"]
+    file.write_text("\n".join(["brand,model,lens,w,h,fx,fy,cx,cy,k1,k2,k3,k4", *rows]))
     names = ("--camera", "{brand} {model} {lens}", "--platform", "photograph", "--model", "fisheye")
     printed = operator("seed", file, *names)
     assert "9 rows: 1 first guesses for 1 cameras" in printed
@@ -189,7 +184,35 @@ def test_bundle_reports_bytes_per_camera(known: Operator, tmp_path: Path) -> Non
     assert camera["camera"] == "Test camera"
     written = f"1 cameras, {len(camera['rows'])} calibrations, 1 labels written to {file}"
     assert printed[-1].startswith(written)
-    for most in ("0", "many"):
-        with pytest.raises(SystemExit):
-            known("bundle", file, f"--most={most}")
-    assert json.loads(file.read_text()) == data
+
+
+def test_what_was_given_without_counts_and_stays_out_of_dumps(operator: Operator, tmp_path: Path) -> None:
+    documents = [calibration(str(CAMERA["camera"]), n) for n in range(5)]
+    documents[:2] = [one.model_copy(update=LICENSED) for one in documents[:2]]
+    with Server(operator.folder) as stack:
+        published.publish(stack, *documents)
+        client = Client(stack)
+        assert client.lookup(redirect=False).json["calibrations"] == 5, "they count alike"
+        for seed, consent in ((7, LICENSED), (8, {})):
+            assert client.check(published.views(Truth(seed=seed)), **consent).json["counted"]
+    public = tmp_path / "dump"
+    assert "2 calibrations and 1 votes" in operator("dump", public)
+    calibrations, votes = list(lines(public / "calibrations.jsonl")), lines(public / "votes.jsonl")
+    assert {one["id"] for one in calibrations} == {one.id for one in documents[:2]}
+    for one in (*calibrations, *votes):
+        assert {name: one[name] for name in LICENSED} == LICENSED
+    everything = content(public)
+    assert not [one for one in documents[2:] if one.id.encode() in everything]
+    assert "5 calibrations and 2 votes" in operator("dump", tmp_path / "copy", "--private")
+    assert "NOT TO BE GIVEN AWAY" in (tmp_path / "copy" / "README.txt").read_text()
+
+
+def test_import_says_its_licence(operator: Operator, tmp_path: Path) -> None:
+    path = tmp_path / "corners.vnl"
+    path.write_bytes(formats.write(subject("rectilinear"), "corners-vnl").content)
+    arguments = ["import", path, "--squares", "9x6", "--img-size", "1280x720", "--model", "rectilinear"]
+    arguments += ["--platform", "Linux", "--camera", "Microsoft LifeCam HD-3000 (045e:0779)"]
+    operator(*arguments, "--licence", "MIT", status=1)
+    operator(*arguments, "--licence", "CC0-1.0")
+    with Server(operator.folder) as stack:
+        assert [document.licence for document in published.store(stack).calibrations.all()] == ["CC0-1.0"]

@@ -1,11 +1,10 @@
 """Calibrations made with other tools, taken in by the operator."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from calibsolver import Calibration, View, fit, formats
+from calibsolver import View, fit, formats
 from infra.server.server import Server
 from tests.helpers.data import corner_views, on_board
 from tests.helpers.service.client import Client
@@ -18,23 +17,14 @@ WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11
 SIZE = (640, 480)
 
 
-def real_views() -> tuple[View, ...]:
-    """Views of a board whose squares are 25.4 mm wide."""
-    views, size = corner_views("opencv_left")
-    assert size == SIZE
-    return tuple(View(25.4 * view.object_points, view.image_points) for view in views[:8])
-
-
-def fitted_as_imported(views: Sequence[View]) -> Calibration:
-    """Fit views in the frame and unit of the service's boards, in the board's shape."""
-    return fit(on_board(views)[2], SIZE)
-
-
 def test_keypoints_become_a_calibration_like_any_other(operator: Operator, tmp_path: Path) -> None:
     """One row of corners has no pose; the other views make the calibration that they make alone."""
-    *views, last = real_views()
+    views, size = corner_views("opencv_left")
+    assert size == SIZE
+    # the squares are 25.4 mm wide
+    *views, last = [View(25.4 * view.object_points, view.image_points) for view in views[:8]]
     row = View(last.object_points[:6], last.image_points[:6])
-    calibration = fitted_as_imported(views)
+    calibration = fit(on_board(views)[2], SIZE)  # in the frame and unit of the service's boards
     source = formats.ExportSource(calibration.camera, (*views, row), name="LifeCam", rms=0.2)
     content = formats.write(source, "photonvision").content
     path = tmp_path / "lifecam.json"
@@ -77,14 +67,10 @@ def test_table_of_corners_is_stored_with_the_board_and_size_given(operator: Oper
 
 def test_malformed_file_stores_nothing(operator: Operator, tmp_path: Path) -> None:
     path = tmp_path / "broken.json"
-    for content, reason in (
-        ('{"cameraIntrinsics": {"data": [1, 2]}}', "resolution"),
-        ("{", "not JSON"),
-    ):
-        path.write_text(content)
-        complaint = operator("import", path, *WHOSE, status=1)
-        assert path.name in complaint
-        assert reason in complaint
+    path.write_text("{")
+    complaint = operator("import", path, *WHOSE, status=1)
+    assert path.name in complaint
+    assert "not JSON" in complaint
     few = formats.ExportSource(subject("rectilinear").camera, subject("rectilinear").views[:2])
     path.write_bytes(formats.write(few, "photonvision").content)
     assert "a calibration needs 4" in operator("import", path, *WHOSE, status=1)

@@ -1,6 +1,5 @@
 """The operator's command line for programs and people."""
 
-import io
 import json
 import os
 import subprocess
@@ -14,18 +13,13 @@ from calibsolver import formats
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.data import ROOT
-from tests.helpers.service.commands import Operator
+from tests.helpers.service.commands import Operator, Terminal
 from tests.helpers.service.index_items import items
 from tests.helpers.service.published import calibration, publish
 from tests.helpers.solver.export_sources import subject
 
 WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]
 KEY = calibration("Plotted 1234", 0).camera_key
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
 
 
 @pytest.fixture(scope="module")
@@ -94,14 +88,12 @@ def test_dry_run_changes_nothing(operator: Operator, token_id: str, contributor:
     assert everything(operator) == before
 
 
-@pytest.mark.parametrize("answer", ["n", "y"])
 def test_person_is_asked_before_a_token_is_revoked(
-    operator: Operator, token_id: str, answer: str, monkeypatch: pytest.MonkeyPatch
+    operator: Operator, token_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys, "stdin", Terminal(f"{answer}\n"))
-    operator("token", "revoke", token_id, status=0 if answer == "y" else 1)
-    left = {token["id"] for token in operator.document("token", "list")}
-    assert (token_id in left) == (answer == "n")
+    monkeypatch.setattr(sys, "stdin", Terminal("n\n"))
+    operator("token", "revoke", token_id, status=1)
+    assert token_id in {token["id"] for token in operator.document("token", "list")}
 
 
 def test_person_is_told_what_forgetting_removes_and_may_say_no(
@@ -150,8 +142,7 @@ def test_each_of_several_files_is_stored_or_refused_by_itself(tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     "arguments",
-    [[], ["nothing"], ["token", "rotate", "x", "--grace", "-1"], ["camera", "show"]],
-    ids=" ".join,
+    [[], ["token", "rotate", "x", "--grace", "-1"]],
 )
 def test_wrong_command_line_exits_with_two(arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -19,13 +19,13 @@ from tests.helpers.service.client import until
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     place = tmp_path_factory.mktemp("pages")
     web = place / "web"
-    for folder in ("calibrate", "lib", "sdk"):
+    for folder in ("calibrate", "lib", "sdk", "templates"):
         (web / folder).mkdir(parents=True)
     (web / "index.html").write_text("<!doctype html>home")
     (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
     (web / "lib" / "detector.worker.js").write_text("self.x = 1")
-    names = ("sdk/calibdb.js", "openapi.json", "sdk.mjs", "opencv.wasm", "app.webmanifest", "font.woff2")
-    for name in names:
+    (web / "templates" / "page.html").write_text("{{ title }}")
+    for name in ("sdk/calibdb.js", "openapi.json", "opencv.wasm"):
         (web / name).write_bytes(b"\0asm" * 1000)
     (place / "outside.txt").write_text("secret")
     with Server(web=web) as running:
@@ -38,27 +38,17 @@ def client(stack: Server) -> Iterator[httpx.Client]:
         yield connected
 
 
-def test_api_and_pages_share_an_origin(client: httpx.Client) -> None:
+def test_api_and_folders_of_pages_share_an_origin(client: httpx.Client) -> None:
     assert client.get("/healthz").json() == {"status": "ok"}
-    assert client.get("/").text == "<!doctype html>home"
+    page = client.get("/")
+    assert (page.text, page.headers["content-type"]) == ("<!doctype html>home", "text/html; charset=utf-8")
+    assert page.headers["x-content-type-options"] == "nosniff"
     settings = client.get("/config.json").json()
     assert (settings["api"], settings["token"]) == ("/v1", "cdb_dev_local")
-
-
-@pytest.mark.parametrize(
-    ("path", "kind"),
-    [
-        ("/", "text/html; charset=utf-8"),
-        ("/sdk.mjs", "text/javascript; charset=utf-8"),
-        ("/opencv.wasm", "application/wasm"),
-        ("/app.webmanifest", "application/manifest+json"),
-        ("/font.woff2", "font/woff2"),
-    ],
-)
-def test_pages_have_strict_media_types(client: httpx.Client, path: str, kind: str) -> None:
-    response = client.get(path)
-    assert (response.status_code, response.headers["content-type"]) == (200, kind)
-    assert response.headers["x-content-type-options"] == "nosniff"
+    assert client.get("/calibrate/").text == "<!doctype html>calibrate"
+    redirect = client.get("/calibrate", follow_redirects=False)
+    assert redirect.status_code == 307
+    assert httpx.URL(redirect.headers["location"]).path == "/calibrate/"
 
 
 def test_no_script_may_evaluate_strings(client: httpx.Client) -> None:
@@ -90,18 +80,14 @@ def test_pages_are_asked_for_again_conditionally(client: httpx.Client) -> None:
     assert (head.headers["content-length"], head.content) == ("4000", b"")
 
 
-def test_folders_have_an_index_and_a_slash(client: httpx.Client) -> None:
-    redirect = client.get("/calibrate", follow_redirects=False)
-    assert redirect.status_code == 307
-    assert httpx.URL(redirect.headers["location"]).path == "/calibrate/"
-    assert client.get("/calibrate/").text == "<!doctype html>calibrate"
-
-
 @pytest.mark.parametrize(
     "path",
-    ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent", "/%00", f"/{'a' * 300}/b"],
+    [
+        *("/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/absent", "/%00"),
+        *(f"/{'a' * 300}/b", "/templates/page.html", "/lib/../templates/page.html"),
+    ],
 )
-def test_nothing_outside_the_folder_is_found(client: httpx.Client, path: str) -> None:
+def test_nothing_outside_the_folder_and_no_template_is_found(client: httpx.Client, path: str) -> None:
     request = client.build_request("GET", "/")
     request.url = request.url.copy_with(raw_path=path.encode())
     assert client.send(request).status_code == 404

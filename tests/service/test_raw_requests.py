@@ -17,6 +17,7 @@ import pytest
 from infra.server import app
 from infra.server.protocol import TimedProtocol
 from infra.server.server import Server
+from infra.web_build.openapi import OPERATIONS
 from tests.helpers.service import in_process
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
@@ -24,30 +25,23 @@ from tests.helpers.service.rigs import RigTruth
 CASES = 2 * int(os.environ.get("CASES", "150"))
 SECRETS = (b"def handler", b"root:x:", b"AWSTemplateFormatVersion", b"[project]", b"Traceback (most recent")
 PATHS = (
-    "/v1/auth", "/v1/session", "/v1/session/pose", "/v1/session/views", "/v1/session/views/0",
-    "/v1/lookup", "/v1/calibrations/{id}", "/v1/checks", "/v1/cameras", "/v1/cameras/{key}", "/healthz",
-    "/badge/{key}/1x1.svg", "/v1/rigs", "/v1/rigs/{rig}", "/v1/rigs/{rig}/moments",
-    "/v1/rigs/{rig}/moments/m0", "/v1/rigs/{rig}/finish", "/v1/rigs/{rig}/result", "/rig/",
-    "/", "/config.json", "/calibrate/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json",
-)  # fmt: skip
+    *(operation.path.replace("/rigs/{id}", "/rigs/{rig}") for operation in OPERATIONS),
+    *("/", "/config.json", "/rig/", "/sdk/index.js", "/v1/nothing", "/known/aa/bb.json"),
+)
 VERBS = ("GET", "POST", "DELETE", "PUT", "HEAD", "OPTIONS", "TRACE", "CONNECT", "get", "G\x00T", "X" * 300)
 ODD = (
-    "..", "../", "..%2f", "%2e%2e/", "%2e%2e%2f", "..\\", "%5c..", "%00", "%0a", "%0d%0aX-Injected: 1",
-    "%c0%ae/", "%", "%zz", "//", ";a=b", "\u00e9", "%ff", "%F0%9F%93%B7", "*", '"', "<script>", "{id}",
-    "a" * 2000, "%25" * 50, "?", "#", "&", "=", "+", " ", "etc/passwd", "template.yaml", ".git/config",
+    "..", "../", "..%2f", "%2e%2e/", "..\\", "%5c..", "%00", "%0d%0aX-Injected: 1", "%c0%ae/", "%zz", "//",
+    ";a=b", "\u00e9", "%ff", '"', "<script>", "a" * 2000, "%25" * 50, "?", "#", " ", "template.yaml",
 )  # fmt: skip
 HEADERS = (
-    "Accept", "Accept-Encoding", "Authorization", "Connection", "Content-Encoding", "Content-Length",
-    "Content-Type", "Cookie", "Expect", "Host", "If-Match", "If-Modified-Since", "If-None-Match", "Origin",
-    "Range", "TE", "Trailer", "Transfer-Encoding", "Upgrade", "X-Forwarded-For", "X-HTTP-Method-Override",
-    "x-calibdb-edge", "Access-Control-Request-Method", "Content-Range",
+    "Accept", "Authorization", "Connection", "Content-Encoding", "Content-Length", "Content-Type", "Expect",
+    "Host", "If-None-Match", "Origin", "Range", "Transfer-Encoding", "Upgrade", "X-Forwarded-For",
+    "x-calibdb-edge",
 )  # fmt: skip
 VALUES = (
-    "", " ", "0", "-1", "1", "99999999999999999999", "1, 1", "bytes=0-0", "bytes=0-,5-6,7-",
-    "bytes=9-1", "chunked", "identity, chunked", "gzip", "br", "application/json", "image/png;q=x",
-    "*/*;q=0", "null", "*", "%0a", "https://evil.example", "keep-alive, upgrade", "websocket", "h2c",
-    "100-continue", "\x7f", "\xff\xfe", "é", "Bearer ", "Basic eDp5", "bearer " + "a" * 4000, "W/\"x\"",
-    "Thu, 01 Jan 1970 00:00:00 GMT", "::1", "a,b,c,d", "localhost", "x" * 9000, "\u0001",
+    "", "-1", "1", "99999999999999999999", "1, 1", "bytes=9-1", "chunked", "identity, chunked", "gzip",
+    "application/json", "image/png;q=x", "*/*;q=0", "null", "https://evil.example", "websocket",
+    "100-continue", "\x7f", "\xff\xfe", "Bearer ", "bearer " + "a" * 4000, "x" * 9000, "\u0001",
 )  # fmt: skip
 
 
@@ -58,6 +52,7 @@ def sent_to(stack: Server) -> Iterator[tuple[str, dict[str, str], str]]:
     rig = RigTruth(stack).open()
     rig.moment("m0")
     ids = {"id": calibration, "key": calibration.rpartition("-")[0], "rig": rig.rig_id}
+    ids |= {"index": "0", "moment": "m0", "file": "1x1.svg", "digest": "0", "size": "1x1", "zoom": "0"}
     with stack.serve() as url:
         yield url, ids, rig.clients[0].session_id
 
@@ -68,8 +63,8 @@ def target(rng: random.Random, ids: dict[str, str]) -> str:
         at = rng.randrange(len(path) + 1)
         path = path[:at] + rng.choice(ODD) + path[at:]
     if rng.random() < 0.4:
-        names = ("format", "crop", "resize", "skip", "camera", "img_size", "key", "query", "without", "id")
-        values = (*ODD, "1", "kalibr", "0,0,64,64", "1e400", "1280x720", TOKEN, "NaN", "9" * 400)
+        names = ("format", "crop", "skip", "camera", "img_size", "key", "query", "id")
+        values = (*ODD, "1", "kalibr", "0,0,64,64", "1e400", TOKEN, "9" * 400)
         path += "?" + "&".join(f"{rng.choice(names)}={rng.choice(values)}" for _ in range(rng.randint(1, 4)))
     return path
 
@@ -77,12 +72,9 @@ def target(rng: random.Random, ids: dict[str, str]) -> str:
 def body(rng: random.Random) -> bytes:
     return rng.choice(
         (
-            b"", b"{}", b"[", b"null", b"\xff\xfe{\x00}\x00", b"[" * 5000, b'{"a":' * 2000, b"1e999999",
-            b'"\\ud800"', json.dumps(CAMERA).encode(), json.dumps({**CAMERA, "redirect": False}).encode(),
-            json.dumps({"index": 0, "ids": [0], "points": [[1, 1]]}).encode(),
+            b"", b"{}", b"[", b"\xff\xfe{\x00}\x00", b"[" * 5000, b"1e999999", b'"\\ud800"',
+            json.dumps(CAMERA).encode(), json.dumps({**CAMERA, "redirect": False}).encode(),
             json.dumps({"index": 0, "ids": [0], "points": [[1, 1]], "moment": "m0"}).encode(),
-            json.dumps({**CAMERA, "rig": {"code": "234567"}}).encode(),
-            b'{"cameras": 2}', b'{"moment": "m1"}',
             b'{"index":' + b"9" * 5000 + b"}", rng.randbytes(rng.randint(1, 300)), b"x" * 20_000,
         )
     )  # fmt: skip

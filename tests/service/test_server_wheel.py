@@ -1,7 +1,5 @@
 """The server's wheel in an environment without Node.js and this checkout, and used from there."""
 
-import os
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,9 +9,9 @@ from calibdb import __version__
 from infra.release import wheels
 from tests.helpers.service.client import Client, Truth
 from tests.helpers.service.remote import Remote
-from tests.helpers.stack.processes import LocalProcess, environment_of, without_checkout
+from tests.helpers.stack.processes import LocalProcess, environment_of, run_installed
 
-NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "mangum", "moto")
+NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "jinja2", "mangum", "moto")
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +66,5 @@ def test_detector_is_compressed_at_build_time(installed: Remote) -> None:
 
 def test_operator_acts_on_the_data_folder(installed: Remote, scripts: Path, data: Path) -> None:
     assert installed.http.get("/healthz").status_code == 200
-    command = [scripts / "calibdb-ops", "--data", data, "publish-dump"]
-    subprocess.run(command, cwd=data.parent, env=without_checkout(os.environ), timeout=60, check=True)
+    run_installed(scripts / "calibdb-ops", "--data", data, "publish-dump", folder=data.parent)
     assert installed.http.get("/dumps/latest.json").status_code == 200

@@ -1,21 +1,14 @@
 """A session's rules over HTTP."""
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from typing import Any
+from unittest import mock
 
 import pytest
 
 from calibdb.errors import UnavailableError
-from calibdb.store import Store
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, Client, Truth, until
-from tests.helpers.service.stores import override_service, with_methods
-
-
-@pytest.fixture
-def converged(client: Client) -> Client:
-    Truth().calibrate(client, **BRIEF)
-    return client
+from tests.helpers.service.client import BRIEF, Answer, Client, Truth, until
 
 
 def test_a_repeat_does_not_bring_an_undone_view_back(running: Client) -> None:
@@ -29,57 +22,45 @@ def test_a_repeat_does_not_bring_an_undone_view_back(running: Client) -> None:
     assert running.view(1, *view).json["accepted"]
 
 
-def test_converged_session_is_immutable(converged: Client) -> None:
-    state = converged.state()
-    assert state["status"] == "converged"
-    assert state["uncertainty"]["rms"] <= state["target_error"]
-    assert state["calibration"]["id"] == state["calibration_id"]
-    view = Truth(seed=9).see({"rvec": [0.3, 0, 0], "tvec": [-4, -3, 9]})
-    assert converged.pose().status == 409
-    assert converged.view(len(state["views"]), *view).status == 409
-    assert converged.call("DELETE", "/v1/session/views/0").status == 409
-    assert converged.state() == state
+def shown_to_the_end(client: Client) -> tuple[int, tuple[Any, Any], Answer]:
+    """Show views until one ends the capture or fails; return its index, itself, and its answer."""
+    truth, status = Truth(), "capturing"
+    while status == "capturing":
+        index = len(client.state()["views"])
+        view = truth.see(client.pose().json)
+        answer = client.view(index, *view)
+        status = answer.json["status"]
+    return index, view, answer
 
 
 def test_the_last_view_repeated_publishes_once(stack: Server, client: Client) -> None:
-    truth = Truth()
     client.open(camera="Camera of a client that repeats", **BRIEF)
-    while True:
-        pose = client.pose().json
-        view = truth.see(pose)
-        first = client.view(pose["index"], *view)
-        if first.json["status"] == "converged":
-            break
-    again = client.view(pose["index"], *view)
+    index, view, first = shown_to_the_end(client)
+    again = client.view(index, *view)
     assert again.json == first.json
     key = first.json["calibration_id"].rpartition("-")[0]
     name = f"calibrations/{key}/{first.json['calibration_id']}.json"
     assert list(stack.storage.objects.names(f"calibrations/{key}/")) == [name]
+    state = client.state()
+    assert state["status"] == "converged"
+    assert state["uncertainty"]["rms"] <= state["target_error"]
+    assert state["calibration"]["id"] == state["calibration_id"]
+    assert client.pose().status == 409
+    assert client.view(len(state["views"]), *view).status == 409
+    assert client.call("DELETE", "/v1/session/views/0").status == 409
+    assert client.state() == state
 
 
-@pytest.mark.parametrize(("noun", "verb"), [("calibrations", "publish"), ("refit", "later")])
-def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: str) -> None:
-    truth, camera = Truth(), f"Camera whose {verb} fails"
+@pytest.mark.parametrize("step", ["calibrations.Calibrations.publish", "refit.Refit.later"])
+def test_repeat_completes_a_failed_publication(client: Client, step: str) -> None:
+    camera = f"Camera whose {step} fails"
     client.open(camera=camera, **BRIEF)
-
-    def fail(*_: object) -> None:
-        raise UnavailableError("Storage did not answer.")
-
-    def broken(store: Store) -> Store:
-        part = with_methods(getattr(store, noun), **{verb: fail})
-        return replace(store, **{noun: part})
-
-    with override_service(broken):
-        status = 200
-        while status == 200:
-            pose = client.pose().json
-            view = truth.see(pose)
-            answer = client.view(pose["index"], *view)
-            status = answer.status
+    with mock.patch(f"calibdb.store.{step}", side_effect=UnavailableError("Storage did not answer.")):
+        index, view, answer = shown_to_the_end(client)
     assert answer.status == 503
     assert answer.headers["retry-after"] == "1"
     assert client.lookup(camera=camera).json["reason"] == "unknown_camera"
-    again = client.view(pose["index"], *view)
+    again = client.view(index, *view)
     assert (again.status, again.json["status"]) == (200, "converged")
     published = client.calibration(again.json["calibration_id"]).json
     known = again.json["calibration"]

@@ -9,7 +9,7 @@ import pytest
 
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import publish_dump
-from infra.server.server import Server
+from infra.server.server import Server, variables_set
 from tests.helpers.service.in_process import request
 
 
@@ -43,15 +43,13 @@ def test_dumps_are_files_that_every_origin_may_read(site: httpx.Client) -> None:
     assert site.get("/dumps/draft.json").status_code == 404
 
 
-def test_settings_and_security_file_say_who_runs_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_settings_and_security_file_say_who_runs_the_service() -> None:
     operator = {
         "OPERATOR_NAME": "Lens Society",
         "OPERATOR_CONTACT": "mailto:lens@society.example",
         "IMPRINT": "Lens Society|1 Optics Road|Exampletown",
     }
-    for name, value in operator.items():
-        monkeypatch.setenv(name, value)
-    with Server() as stack:
+    with variables_set(operator), Server() as stack:
         settings = json.loads(request(stack, "GET", "/config.json").body)["operator"]
         security = request(stack, "GET", "/.well-known/security.txt").body.decode()
     assert list(settings.values()) == list(operator.values())

@@ -9,19 +9,24 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from calibdb.dump import weekly_dump
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
-from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.errors import UnavailableError
+from calibdb.schema import CalibrationDocument
 from calibdb.schema.dump import Dump
 from calibdb.store import Store
 from calibdb.store.dumps import Dumps
 from calibdb.store.miss_counts import USB
+from calibdb.store.ports import Storage
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
-from infra.ops.public_dump import dumps_of, publish_dump
+from infra.ops.public_dump import publish_dump
 from infra.server.server import Server
 from infra.web_build import openapi
-from tests.helpers.service.known import C920, LINUX, calibration, consensus
+from tests.helpers.service import published
+from tests.helpers.service.intercepted import crash_after
+from tests.helpers.service.known import C920, LINUX, calibration, consensus, vote
 from tests.helpers.service.published import put
 
 NOW = 1_795_312_800  # a Sunday
@@ -29,14 +34,15 @@ GIVEN = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
 SCHEMA = json.loads(openapi.dump_schema())
 
 
-class CrashError(Exception):
-    """The invocation ended here."""
-
-
 @pytest.fixture
 def stack() -> Iterator[Server]:
     with Server() as stack:
         yield stack
+
+
+@pytest.fixture
+def store(stack: Server) -> Store:
+    return published.store(stack)
 
 
 @pytest.fixture
@@ -59,17 +65,10 @@ def fill(
     return made
 
 
-def vote(document: CalibrationDocument, **given: str) -> VoteDocument:
-    known = document.model_dump(exclude={"layout", "fits", "time", *GIVEN})
-    return VoteDocument.model_validate_json(json.dumps({**known, **given, "noise": 0.1, "time": 0}))
-
-
-def writer(
-    context: OpsContext, now: int = NOW, left: Callable[[], float] = lambda: 900.0, **options: Any
-) -> WeeklyDump:
-    dumps, store = dumps_of(context), context.store
+def writer(storage: Storage, now: int = NOW, left: Callable[[], float] = lambda: 900.0) -> WeeklyDump:
+    dumps, store = Dumps(storage.objects, storage.site), Store.over(storage)
     figures = Figures(dumps, store.cameras, store.miss_counts, store.calibrations, 3)
-    return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
+    return WeeklyDump(dumps, figures, lambda: now, left)
 
 
 def read(stack: Server, name: str) -> bytes | None:
@@ -127,38 +126,19 @@ def test_dump_holds_what_was_given_and_names_nobody(stack: Server, context: OpsC
 
 
 def test_dump_survives_a_crash_at_every_write(
-    stack: Server, context: OpsContext, monkeypatch: pytest.MonkeyPatch
+    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Small parts, and an end before or after every write: `latest.json` names a whole dump throughout."""
-    fill(context.store, 12)
-    assert writer(context, NOW).run() is not None
+    """Small parts, and an end after one to three writes: `latest.json` names a whole dump throughout."""
+    fill(store, 12)
+    assert writer(stack.storage).run() is not None
+    monkeypatch.setattr(weekly_dump, "MAX_PART_BYTES", 1000)
     later = NOW + PERIOD_S
-    writes = 0
-
-    def crashing(at: int, method: str, *, after: bool) -> Callable[..., Any]:
-        original = getattr(Dumps, method)
-
-        def call(self: Dumps, *arguments: Any) -> Any:
-            nonlocal writes
-            writes += 1
-            if writes == at and not after:
-                raise CrashError
-            answer = original(self, *arguments)
-            if writes == at:
-                raise CrashError
-            return answer
-
-        return call
-
     crashes = 0
-    for at in range(1, 60):
-        with monkeypatch.context() as patch:
-            writes = 0
-            for method in ("write", "advance", "begin", "end"):
-                patch.setattr(Dumps, method, crashing(1 + at % 3, method, after=at % 2 == 0))
+    for at in range(60):
+        with crash_after(stack.storage, 1 + at % 3) as storage:
             try:
-                writer(context, later, max_part_bytes=1000).run()
-            except CrashError:
+                writer(storage, later).run()
+            except UnavailableError:
                 crashes += 1
         named = latest(stack)
         assert named.created in (NOW, later)
@@ -169,33 +149,35 @@ def test_dump_survives_a_crash_at_every_write(
     assert crashes >= 5
     assert (named.created, len(named.files) >= 5) == (later, True)
     # What is left of it is thrown away with the next call, and the key with it.
-    writer(context, later).run()
-    assert writer(context, later).dumps.draft() is None
+    writer(stack.storage, later).run()
+    assert writer(stack.storage, later).dumps.draft() is None
     assert statistics_of(stack)["history"][-1]["calibrations"] == 11
 
 
-def test_dump_stops_when_its_time_is_up_and_goes_on(stack: Server, context: OpsContext) -> None:
-    fill(context.store, 8)
+def test_dump_stops_when_its_time_is_up_and_goes_on(stack: Server, store: Store) -> None:
+    fill(store, 8)
     runs = 0
-    while (dump := writer(context, left=lambda: 1.0).run()) is None:
+    while (dump := writer(stack.storage, left=lambda: 1.0).run()) is None:
         runs += 1
         assert read(stack, "latest.json") is None
         assert runs < 100
     assert runs >= 4
     assert len(documents(stack, dump, "calibrations")) == 7
-    assert writer(context, NOW + 3600).run() is None, "none is due"
-    assert writer(context, NOW + PERIOD_S).run() is not None
+    assert writer(stack.storage, NOW + 3600).run() is None, "none is due"
+    assert writer(stack.storage, NOW + PERIOD_S).run() is not None
 
 
-def test_two_writers_make_one_dump(stack: Server, context: OpsContext) -> None:
+def test_two_writers_make_one_dump(stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     """The one that was overtaken while it wrote a part stops; no part is named that another replaced."""
-    fill(context.store, 12)
-    slow = writer(context, max_part_bytes=1000)
+    fill(store, 12)
+    monkeypatch.setattr(weekly_dump, "MAX_PART_BYTES", 1000)
+    slow = writer(stack.storage)
     original, overtaken = slow.dumps.advance, []
 
     def advance(draft: Any, tag: str) -> str | None:
         if not overtaken:
-            overtaken.append(writer(context, max_part_bytes=2000).run())
+            monkeypatch.setattr(weekly_dump, "MAX_PART_BYTES", 2000)
+            overtaken.append(writer(stack.storage).run())
         return original(draft, tag)
 
     slow.dumps.advance = advance
@@ -204,8 +186,7 @@ def test_two_writers_make_one_dump(stack: Server, context: OpsContext) -> None:
     assert len({one["id"] for one in documents(stack, latest(stack), "calibrations")}) == 11
 
 
-def test_wanted_cameras_are_named_by_no_strangers_words(stack: Server, context: OpsContext) -> None:
-    store = context.store
+def test_wanted_cameras_are_named_by_no_strangers_words(stack: Server, store: Store) -> None:
     known, doubted, single = "Known (046d:0001)", "Doubted (046d:0002)", "Buy pills (046d:0003)"
     keys = {}
     for label, reason, calibrations in ((known, None, 5), (doubted, "disagree", 4), (single, "too_few", 1)):
@@ -218,7 +199,7 @@ def test_wanted_cameras_are_named_by_no_strangers_words(stack: Server, context: 
     )
     store.miss_counts.add({keys[doubted]: 4, USB + "046d:0003": 50}, NOW - 80 * 86_400)
     store.miss_counts.add({keys[doubted]: 1000}, NOW - 100 * 86_400)
-    writer(context).run()
+    writer(stack.storage).run()
     statistics = statistics_of(stack)
     named = [(one["camera"], one["key"], one["asked"]) for one in statistics["wanted"]]
     assert named == [(doubted, keys[doubted], 9), ("Logitech, Inc. (046d:0825)", None, 7)]

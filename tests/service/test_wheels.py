@@ -4,9 +4,7 @@ Third-party packages come from this environment's folder, so that no network is 
 """
 
 import json
-import os
 import re
-import subprocess
 from pathlib import Path
 
 import cv2
@@ -16,7 +14,7 @@ from flit_core.wheel import make_wheel_in
 
 from calibdb_client import Board
 from tests.helpers import board_pictures
-from tests.helpers.stack.processes import environment_of, without_checkout
+from tests.helpers.stack.processes import environment_of, run_installed
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
@@ -42,15 +40,8 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return environment_of(root, *wheels)
 
 
-def run(*command: str | Path, folder: Path) -> str:
-    variables = without_checkout(os.environ)
-    done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def test_installed_packages_need_no_opencv(environment: Path, tmp_path: Path) -> None:
-    run(environment / "python", "-c", WITHOUT_OPENCV, folder=tmp_path)
+    run_installed(environment / "python", "-c", WITHOUT_OPENCV, folder=tmp_path)
 
 
 #: runs programs, each with its arguments, one after the other; prints a line after each
@@ -72,7 +63,7 @@ def calibrated(environment: Path, tmp_path_factory: pytest.TempPathFactory) -> P
     board_pictures.write(folder / "photos", Board())
     command = ("calibrate", "photos", "--offline", "--json", "-o", "camera.json")
     known = ("--squares", "9x6", "--model", "rectilinear")  # to find both takes long
-    output = run(environment / "calibdb", *command, *known, folder=folder)
+    output = run_installed(environment / "calibdb", *command, *known, folder=folder)
     assert abs(json.loads(output)["camera_matrix"][0][0] - board_pictures.MATRIX[0, 0]) < 5
     return folder
 
@@ -98,7 +89,7 @@ def said(environment: Path, calibrated: Path) -> list[str]:
         (str(EXAMPLES / "undistorted_stream.py"), "in.avi", "camera.json", "out.avi"),
         (str(ROOT / "tests/helpers/notebook.py"), str(EXAMPLES / "calibration.ipynb")),
     )
-    printed = run(environment / "python", "-c", ONE_BY_ONE, json.dumps(programs), folder=calibrated)
+    printed = run_installed(environment / "python", "-c", ONE_BY_ONE, json.dumps(programs), folder=calibrated)
     return printed.split("-- ended\n")
 
 

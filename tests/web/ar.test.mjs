@@ -7,38 +7,32 @@ import { stopAt } from "../../web/ar/tour.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";
 import { rotationMatrix } from "../../web/lib/pose.js";
+import { calibrationOf, distances, rectangle } from "./scenes.mjs";
 
 const SIZE = [1280, 720];
-const MATRIX = [
-  [1000, 0, 650],
-  [0, 1010, 352],
-  [0, 0, 1],
-];
+const calibration = calibrationOf([1000, 1010], [650, 352]);
 const LENSES = {
-  rectilinear: [MATRIX, [-0.3, 0.04, 0.001, -0.0008, 0]],
+  rectilinear: [
+    [1000, 1010],
+    [-0.3, 0.04, 0.001, -0.0008, 0],
+  ],
   fisheye: [
-    [
-      [480, 0, 650],
-      [0, 485, 352],
-      [0, 0, 1],
-    ],
+    [480, 485],
     [-0.03, 0.01, -0.004, 0.001],
   ],
-  rational: [MATRIX, [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06]],
+  rational: [
+    [1000, 1010],
+    [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06],
+  ],
   omnidirectional: [
-    [
-      [900, 0, 650],
-      [0, 909, 352],
-      [0, 0, 1],
-    ],
+    [900, 909],
     [1.2, -0.1, 0.02, 0.0006, -0.0003],
   ],
 };
 const lensNamed = (distortion_model) => {
-  const [camera_matrix, distortion_coefficients] = LENSES[distortion_model];
-  return lensOf({ camera_matrix, distortion_coefficients, distortion_model });
+  const [focal, distortion_coefficients] = LENSES[distortion_model];
+  return lensOf(calibrationOf(focal, [650, 352], { distortion_model, distortion_coefficients }));
 };
-const calibration = { img_size: SIZE, camera_matrix: MATRIX };
 const POINTS = corners(DEFAULT_BOARD);
 const inside = ([u, v]) => u > 5 && v > 5 && u < SIZE[0] - 6 && v < SIZE[1] - 6;
 
@@ -60,14 +54,12 @@ test("the board's pose is found through every model", () => {
       assert.ok(points.length >= 16, `${model}, stop ${stop}: ${points.length} corners`);
       const found = rigidTransform(poseOf(lens, points, pixels));
       const truth = rigidTransform(pose);
-      for (const corner of [
+      const places = [
         [0, 0, 0],
         [9, 0, 0],
         [9, 6, -2],
-      ]) {
-        const [a, b] = [found(corner), truth(corner)];
-        assert.ok(Math.hypot(...a.map((value, axis) => value - b[axis])) < 1e-6, `${model}, stop ${stop}`);
-      }
+      ];
+      assert.ok(Math.max(...distances(places.map(found), places.map(truth))) < 1e-6, `${model}, stop ${stop}`);
     }
   }
 });
@@ -76,16 +68,10 @@ test("too few corners, or corners on one line, tell no pose", () => {
   const lens = lensNamed("rectilinear");
   const { points, pixels } = view(lens, stopAt(DEFAULT_BOARD, calibration, 0));
   assert.equal(poseOf(lens, points.slice(0, 5), pixels.slice(0, 5)), null);
-  const row = points.map((_, index) => index).filter((index) => points[index][1] === 2);
+  const isInRow = (_, index) => points[index][1] === 2;
+  const row = points.filter(isInRow);
   assert.ok(row.length >= 6);
-  assert.equal(
-    poseOf(
-      lens,
-      row.map((index) => points[index]),
-      row.map((index) => pixels[index]),
-    ),
-    null,
-  );
+  assert.equal(poseOf(lens, row, pixels.filter(isInRow)), null);
 });
 
 test("misalignment is rms, and that of the outermost corner", () => {
@@ -120,11 +106,6 @@ test("the model stands on the board, towards the viewer, with crosses at the out
   ]);
   assert.ok(vertices.every(([x, y, z]) => x >= -0.1 && x <= 9.1 && y >= -0.1 && y <= 6.1 && z <= 0));
   const blue = vertices.filter(([, , , red, , b]) => red === 0 && b === 1);
-  for (const [x, y] of [
-    [1, 1],
-    [8, 1],
-    [8, 5],
-    [1, 5],
-  ])
+  for (const [x, y] of rectangle(1, 1, 7, 4))
     assert.equal(blue.filter(([u, v]) => Math.hypot(u - x, v - y) < 0.31).length, 12);
 });

@@ -2,41 +2,20 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { spreadOf } from "../../web/cameras/agreement.js";
 import { splitLabel, systemName } from "../../web/lib/camera-name.js";
-import { jsonText, valueText } from "../../web/lib/result/values.js";
+import { valueText } from "../../web/lib/result/values.js";
 import { lensDifference } from "../../web/lib/lens-difference.js";
 import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
-import { keepHere } from "./globals.mjs";
 import { askPhoneModel, modelsOf, phoneModel } from "../../web/lib/phone-model.js";
+import { countsOf } from "../../web/landing/counts.js";
+import { BITS } from "../../web/landing/capture-loop.js";
+import { DEFAULT_BOARD, markers } from "../../web/lib/board.js";
+import { markerBits } from "../../web/lib/board-drawing.js";
+import { keepHere } from "./globals.mjs";
+import { calibrationOf } from "./scenes.mjs";
 
-const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
-  img_size: [1280, 720],
-  camera_matrix: [
-    [f, 0, cx],
-    [0, f, cy],
-    [0, 0, 1],
-  ],
-  distortion_coefficients,
-  distortion_model,
-});
-
-test("JSON has a list of numbers on one line and says the same", () => {
-  const value = {
-    img_size: [1280, 720],
-    camera_matrix: [
-      [1.5, 0, 2],
-      [0, 1, 3],
-      [0, 0, 1],
-    ],
-    id: null,
-    more: { a: [], b: [{ c: 1 }] },
-    empty: {},
-  };
-  assert.deepEqual(JSON.parse(jsonText(value)), value);
-  assert.match(jsonText(value), /"img_size": \[1280, 720\]/);
-  assert.match(jsonText(value), /"camera_matrix": \[\n {4}\[1\.5, 0, 2\],\n {4}\[0, 1, 3\],\n {4}\[0, 0, 1\]\n {2}\]/);
-});
+const lens = (f, cx) => calibrationOf([f], [cx, 360], { distortion_coefficients: [-0.1, 0.02, 0, 0, 0] });
 
 test("systems have the names that people use", () => {
   const named = {
@@ -65,27 +44,22 @@ test("small numbers have a power of ten, and their error the same one", () => {
 });
 
 test("the difference of two lenses leaves out how the camera was turned", () => {
-  const one = lens(900, 640, 360, [-0.1, 0.02, 0, 0, 0]);
+  const one = lens(900, 640);
   assert.ok(lensDifference(one, one).max < 1e-6);
   // A principal point that moved by 5 px is nearly a turn by 5/900; what is left is distortion that moved with it.
-  const moved = lensDifference(one, lens(900, 645, 360, [-0.1, 0.02, 0, 0, 0]));
+  const moved = lensDifference(one, lens(900, 645));
   assert.ok(moved.rms < 1.5 && moved.max < 5, `${moved.rms} ${moved.max}`);
-  const longer = lensDifference(one, lens(909, 640, 360, [-0.1, 0.02, 0, 0, 0]));
+  const longer = lensDifference(one, lens(909, 640));
   // One per cent of the focal length is one per cent of the distance to the centre, 0 to 7 px.
   assert.ok(Math.abs(longer.rms - 4.1) < 0.5 && longer.max > 6 && longer.max < 7.3, `${longer.rms} ${longer.max}`);
-  assert.equal(longer.px.length, 12);
-  assert.equal(longer.px[0].length, 20);
 });
 
 test("the error of a consensus is the spread of its model", () => {
   const member = (fx, model = "rectilinear", in_group = true) => ({
-    id: "m",
-    time: 0,
     fx,
     fy: fx,
     cx: 640,
     cy: 360,
-    rms: 0.2,
     model,
     in_group,
   });
@@ -98,6 +72,7 @@ test("the error of a consensus is the spread of its model", () => {
   assert.equal(spreadOf([member(970)], "rectilinear"), null);
 });
 
+const { signal } = new AbortController();
 const mode = {
   img_size: [1280, 720],
   zoom: 0,
@@ -125,23 +100,14 @@ test("the agreement is polled until the calibration counts", async (t) => {
   });
   keepHere(t);
   const agreements = [];
-  const calibration = { id: "c", img_size: [1280, 720], zoom: 0 };
-  await followAgreement(
-    "key",
-    calibration,
-    new AbortController().signal,
-    (agreement) => agreements.push(agreement.agreeing),
-    async () => {},
-  );
+  const follow = async (id) => {
+    agreements.length = 0;
+    const tell = (agreement) => agreements.push(agreement.agreeing);
+    await followAgreement("key", { id, img_size: [1280, 720], zoom: 0 }, signal, tell, async () => {});
+  };
+  await follow("c");
   assert.deepEqual(agreements, [2, 2, 3]);
-  agreements.length = 0;
-  await followAgreement(
-    "key",
-    { ...calibration, id: "d" },
-    new AbortController().signal,
-    (agreement) => agreements.push(agreement.agreeing),
-    async () => {},
-  );
+  await follow("d");
   assert.equal(agreements.length, 1);
 });
 
@@ -173,7 +139,6 @@ test("the width of view follows from the focal length and the model", () => {
 const SAFARI = "Mozilla/5.0 (iPhone; CPU iPhone OS 17_5 like Mac OS X) AppleWebKit/605.1.15";
 const MAC = "Mozilla/5.0 (Macintosh; Intel Mac OS X 10_15_7) AppleWebKit/605.1.15";
 const air = { width: 420, height: 912, ratio: 3 };
-const signal = new AbortController().signal;
 
 test("the screen leaves few models, upright or turned", () => {
   const upright = modelsOf({ width: 390, height: 844, ratio: 3 });
@@ -184,22 +149,10 @@ test("the screen leaves few models, upright or turned", () => {
 });
 
 test("identifiers are Apple's, and none stands for two models", () => {
-  const screens = [
-    [320, 568, 2],
-    [375, 667, 2],
-    [414, 736, 3],
-    [375, 812, 3],
-    [414, 896, 2],
-    [414, 896, 3],
-    [390, 844, 3],
-    [428, 926, 3],
-    [393, 852, 3],
-    [430, 932, 3],
-    [402, 874, 3],
-    [440, 956, 3],
-    [420, 912, 3],
-  ];
-  const ids = screens.flatMap(([width, height, ratio]) => modelsOf({ width, height, ratio }).map(([, id]) => id));
+  const ids = [];
+  for (let width = 320; width < 500; width++)
+    for (let height = 500; height < 1000; height++)
+      for (const ratio of [2, 3]) ids.push(...modelsOf({ width, height, ratio }).map(([, id]) => id));
   assert.equal(new Set(ids).size, ids.length);
   for (const id of ids) assert.match(id, /^iPhone[0-9]{1,2},[0-9]$/);
   assert.ok(ids.length > 35);
@@ -207,15 +160,34 @@ test("identifiers are Apple's, and none stands for two models", () => {
 
 test("only ambiguous iPhones are asked about", async (t) => {
   const kept = keepHere(t);
-  assert.equal(await askPhoneModel(signal, { userAgent: MAC, screen: air }), "");
-  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: { width: 1, height: 2, ratio: 3 } }), "");
+  const ask = (userAgent, screen) => askPhoneModel(signal, { userAgent, screen });
+  assert.equal(await ask(MAC, air), "");
+  assert.equal(await ask(SAFARI, { width: 1, height: 2, ratio: 3 }), "");
   assert.equal(kept.size, 0);
-  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: air }), "iPhone18,4");
+  assert.equal(await ask(SAFARI, air), "iPhone18,4");
   assert.equal(phoneModel(), "iPhone18,4");
   kept.set("calibdb.phone-model", "-");
-  assert.equal(
-    await askPhoneModel(signal, { userAgent: SAFARI, screen: air }),
-    "",
-    "who does not know is not asked again",
+  assert.equal(await ask(SAFARI, air), "", "who does not know is not asked again");
+});
+
+test("cameras and those ready at any size are counted", () => {
+  const size = (reliable, calibrations) => ({ reliable, calibrations });
+  const cameras = [
+    { sizes: [size(true, 6), size(false, 2)] },
+    { sizes: [size(false, 1)] },
+    { sizes: [size(true, 5), size(true, 7)] },
+  ];
+  assert.deepEqual(countsOf(cameras, false), { cameras: 3, ready: 2, calibrations: 21, more: false });
+  assert.deepEqual(countsOf([], false), { cameras: 0, ready: 0, calibrations: 0, more: false });
+});
+
+test("the board of the loop has the markers of the default board", () => {
+  const bits = markers(DEFAULT_BOARD).map(({ id }) =>
+    markerBits(DEFAULT_BOARD.dictionary, id)
+      .flat()
+      .reduce((all, bit) => 2 * all + Number(bit), 0)
+      .toString(16)
+      .padStart(4, "0"),
   );
+  assert.equal(BITS, bits.join(""));
 });

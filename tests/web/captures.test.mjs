@@ -1,13 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Captures } from "../../web/calibrate/captures.js";
-import { captureKey } from "../../web/calibrate/state.js";
+import { captureKey, viewCount } from "../../web/calibrate/state.js";
 import { json, keepHere, setGlobals } from "./globals.mjs";
+import { Sessions } from "./sessions.mjs";
+import { ApiError, OfflineError } from "../../web/lib/api.js";
 import { CaptureLoop } from "../../web/calibrate/capture-loop.js";
 import { RequestQueue } from "../../web/calibrate/request-queue.js";
 import { LICENCE_VERSION } from "../../web/lib/consent.js";
 import { calibrate } from "../../web/lib/series.js";
-import { CaptureSession } from "../../web/lib/session.js";
+import { CaptureSession, isUnavailable } from "../../web/lib/session.js";
 import { isPracticeReturned } from "../../web/calibrate/history.js";
 import { knownOf, knownText } from "../../web/calibrate/sender.js";
 import "./messages.mjs";
@@ -15,26 +17,126 @@ import "./messages.mjs";
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
 const VIEW = { set_aside: false };
-/** A service that takes every view; gives what it was sent, session by session. */
-function serve(t) {
-  const sent = [];
-  const state = () => ({ status: "capturing", accepted: true, views: sent.at(-1).map((_, index) => ({ index })) });
-  t.mock.method(globalThis, "fetch", async (address, { method = "GET", body } = {}) => {
-    const call = `${method} ${new URL(address).pathname.split("/").slice(-2).join("/")}`;
-    if (call.endsWith("config.json")) return json(200, { api: "https://calibdb.example/v1", token: "t" });
-    if (call === "POST v1/auth") return json(201, { session_id: `s${sent.push([])}` });
-    if (call === "GET session/pose") return json(200, { index: sent.at(-1).length });
-    if (call === "POST session/views") sent.at(-1).push(JSON.parse(body).ids[0]);
-    return json(200, state());
+
+async function begin() {
+  const service = new Sessions();
+  const capture = new CaptureSession(service.api, "token", REQUEST);
+  await capture.start();
+  return { service, capture };
+}
+
+test("first requests are reported by kind", async () => {
+  const answered = new Set();
+  const { api } = new Sessions();
+  const asked = [];
+  for (const expected of [
+    [true, true, true, false, true, false, true, false],
+    [false, false, false, false, false, false, false, false],
+  ]) {
+    const capture = new CaptureSession(api, "token", REQUEST, { answered });
+    capture.onRequest = (isFirst) => asked.push(isFirst);
+    await capture.start();
+    await capture.pose(); // as numbers and as a picture
+    for (const index of [0, 1]) await capture.submit(index, view(index));
+    for (const _ of [0, 1]) await capture.undo();
+    assert.deepEqual(asked.splice(0), expected);
+  }
+});
+
+test("an expired session is begun anew with the views it had", async () => {
+  const { service, capture } = await begin();
+  await capture.submit(0, view(1));
+  await capture.submit(1, view(2));
+  service.expired = 1;
+  await capture.submit(2, view(3));
+  assert.deepEqual(service.taken, [
+    [1, 2],
+    [1, 2, 3],
+  ]);
+});
+
+test("a capture resumes with its views, also one whose answer was lost", async () => {
+  const { service, capture } = await begin();
+  await capture.submit(0, view(1));
+  service.isLosing = true;
+  await assert.rejects(capture.submit(1, view(2)), OfflineError);
+  service.isLosing = false;
+  assert.deepEqual((await capture.resume(service.api)).state.views, [{ index: 0 }, { index: 1 }]);
+  await capture.undo();
+  assert.deepEqual(service.taken, [[1]], "the view whose answer was lost is the last one");
+});
+
+test("views taken during an outage are sent in order later", async () => {
+  let saved = null;
+  const service = new Sessions();
+  service.judge = (id) => (id === 3 ? "no_information" : null);
+  const capture = new CaptureSession(service.api, "token", REQUEST, {
+    about: "c",
+    save: (now) => (saved = structuredClone(now)),
   });
+  await capture.start();
+  await capture.submit(0, view(1));
+  service.isAway = true;
+  const began = service.calls.length;
+  await assert.rejects(capture.submit(1, view(2)), isUnavailable);
+  assert.equal(service.calls.length - began, 3, "a timeout of two seconds: the page has better to do than to wait");
+  capture.store(view(3));
+  capture.store(view(4));
+  assert.equal(capture.waiting, 3);
+  assert.equal(viewCount({ capture: { session: { views: [{ index: 0 }] } }, link: { stored: capture.waiting } }), 4);
+  await assert.rejects(capture.resume(), isUnavailable);
+  service.isAway = false;
+  const next = new CaptureSession(service.api, "token", REQUEST, { about: "c", saved });
+  const { state, refused } = await next.resume();
+  assert.deepEqual([service.taken, refused, state.views.length, next.waiting], [[[1, 2, 4]], 1, 3, 0]);
+});
+
+test("a capture begun offline is sent later", async () => {
+  const service = new Sessions();
+  let told = 0;
+  const capture = new CaptureSession(service.api, "token", REQUEST);
+  capture.store(view(1));
+  capture.store(view(2));
+  capture.store(view(3));
+  assert.equal(await capture.undo(), null);
+  assert.equal(service.calls.length, 0);
+  assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
+  const back = await capture.resume(undefined, { onSending: () => (told += 1) });
+  assert.deepEqual([service.taken, back.taken, told, capture.lastIsTaken], [[[1, 2]], 2, 1, true]);
+  const { credential, views } = capture.unsent();
+  assert.equal(credential, "");
+  assert.ok(views.every(({ index, taken }) => index === null && !taken));
+  capture.track({ focusMode: "manual" });
+  await capture.start();
+  assert.deepEqual(service.calls.at(-1).body.track, { focusMode: "manual" });
+});
+
+test("the picture is asked for as JPEG, and a skip is asked for once", async () => {
+  const { service, capture } = await begin();
+  const { pose, picture } = await capture.pose({ skip: true });
+  assert.deepEqual([pose.index, await picture.text()], [0, "picture"]);
+  assert.deepEqual(
+    service.calls.slice(2).map(({ call }) => call),
+    ["GET /session/pose?skip=1", "GET /session/pose"],
+  );
+});
+
+/** Answers the requests of a page. */
+function serve(t) {
+  const service = new Sessions();
+  t.mock.method(globalThis, "fetch", async (address, request) =>
+    String(address).endsWith("config.json")
+      ? json(200, { api: "https://calibdb.example/v1", token: "t" })
+      : service.fetch(address, request),
+  );
   keepHere(t);
-  return sent;
+  return service;
 }
 
 for (const room of [true, false]) {
   const where = room ? "saved here" : "also if nothing can be saved";
   test(`a capture continues with the other views, ${where}`, async (t) => {
-    const sent = serve(t);
+    const service = serve(t);
     const saved = new Map();
     const unsaved = [];
     const store = {
@@ -53,17 +155,21 @@ for (const room of [true, false]) {
       [false, room, !room],
     );
     await captures.open(fisheye, run);
-    assert.deepEqual(sent, [
-      [1, 2, 3],
-      [1, 3],
-    ]);
     await captures.forget(captureKey(fisheye));
     await captures.open(fisheye, run);
-    assert.deepEqual(sent, [[1, 2, 3], [1, 3], []]);
+    assert.deepEqual(service.taken, [[1, 2, 3], [1, 3], []]);
   });
 }
 
 const FIRST_PAUSE_MS = 1_000;
+
+/** The queue of a page in a state that does not change; `events`: what it hears. */
+function queueOf(session, state, events) {
+  const page = { state: () => state, fail: (error) => assert.fail(error) };
+  const dispatch = (event) => events.push(event);
+  const { signal } = new AbortController();
+  return new RequestQueue(page, session, { dispatch, signal, onOffline() {}, async onOnline() {} });
+}
 
 /** An offline queue; each attempt to reconnect finds so many stored views, and may renew the session. */
 function away(t, storedMeanwhile, renewals = 0) {
@@ -83,14 +189,7 @@ function away(t, storedMeanwhile, renewals = 0) {
     },
   };
   const state = { link: { busy: false, offline: true }, phase: "capturing", capture: {} };
-  const page = { state: () => state, dispatch: (event) => events.push(event), fail: (error) => assert.fail(error) };
-  const options = {
-    dispatch: page.dispatch,
-    signal: new AbortController().signal,
-    onOffline() {},
-    async onOnline() {},
-  };
-  new RequestQueue(page, session, options).goOffline();
+  queueOf(session, state, events).goOffline();
   return { attempts, events, browser };
 }
 
@@ -109,65 +208,49 @@ test("views that are stored while earlier ones are sent follow at once", async (
   );
 });
 
-test("a network that is back is used at once", async (t) => {
-  const { attempts, events, browser } = away(t, [0]);
+test("a network that is back is used at once, and a renewed session reported", async (t) => {
+  const { attempts, events, browser } = away(t, [0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
   assert.deepEqual(attempts, [0]);
-  assert.deepEqual(
-    events.map(({ type }) => type),
-    ["online"],
-  );
-});
-
-test("a session renewed during an outage is reported", async (t) => {
-  const { events, browser } = away(t, [0], 1);
-  browser.dispatchEvent(new Event("online"));
-  await settle();
   assert.deepEqual(
     events.map(({ type, notice }) => notice?.key ?? type),
     ["online", "capture.begun_anew"],
   );
 });
 
-test("a session renewed by a request is adopted and reported", async () => {
+/** Events of a page whose request finds the session in another state. */
+async function heard(request) {
   const events = [];
   const session = { renewals: 0, resume: async () => ({ state: "as the service has it" }) };
-  const page = { state: () => ({ link: { busy: false } }), fail: (error) => assert.fail(error) };
-  const queue = new RequestQueue(page, session, {
-    dispatch: (event) => events.push(event),
-    signal: new AbortController().signal,
-  });
-  await queue.send(
-    async () => (session.renewals += 1),
+  await queueOf(session, { link: { busy: false } }, events).send(
+    () => request(session),
     () => {},
   );
-  assert.deepEqual(
-    events.map(({ type, session: state, notice }) => state ?? notice?.key ?? type),
-    ["busy", "idle", "as the service has it", "capture.begun_anew"],
-  );
+  return events.map(({ type, session: state, notice }) => state ?? notice?.key ?? type);
+}
+
+test("a session renewed by a request is adopted and reported", async () => {
+  const events = await heard(async (session) => (session.renewals += 1));
+  assert.deepEqual(events, ["busy", "idle", "as the service has it", "capture.begun_anew"]);
 });
 
-/** A capture with a made-up session, which logs the requests; `views` are taken. */
+test("a session that differs after a lost response is adopted", async () => {
+  const events = await heard(() => Promise.reject(new ApiError(409, {})));
+  assert.deepEqual(events, ["busy", "as the service has it", "idle"]);
+});
+
+/** A capture of whose views the page knows `views`. */
 function looping(t, views) {
   setGlobals(t, { document: new EventTarget(), addEventListener() {} });
-  const log = [];
+  const service = new Sessions();
   const state = {
     link: { busy: false, offline: false, stored: 0 },
     phase: "capturing",
     capture: { key: null, session: { views, calibration: {} } },
   };
   const settings = { focusMode: "continuous" };
-  const requests = {
-    request: { track: { ...settings } },
-    renewals: 0,
-    waiting: 0,
-    resume: async () => ({ state: { status: "capturing" }, taken: 0, refused: 0 }),
-    track: (track) => (requests.request = { track }),
-    start: async () => log.push(`start ${requests.request.track.focusMode}`),
-    pose: async () => (log.push("pose"), { pose: {}, picture: new Blob() }),
-    finish: async () => (log.push("finish"), { status: "converged" }),
-  };
+  const session = new CaptureSession(service.api, "token", { ...REQUEST, track: { ...settings } });
   const parts = Object.fromEntries(["undo", "skip", "finish", "sharpest"].map((name) => [name, new EventTarget()]));
   const dispatch = ({ type }) => {
     if (type === "busy" || type === "idle") state.link.busy = type === "busy";
@@ -177,62 +260,41 @@ function looping(t, views) {
   const stream = { camera: { track: { getSettings: () => settings } } };
   const detector = new Promise(() => {});
   const { signal } = new AbortController();
-  const loop = new CaptureLoop(page, { session: requests, detector, stream, plan: [], signal });
-  return { loop, log, parts, settings, requests, state };
+  const loop = new CaptureLoop(page, { session, detector, stream, plan: [], signal });
+  return { loop, service, parts, settings, session, state };
 }
 
 test("a session without views begins again with the locked focus", async (t) => {
-  for (const [views, expected] of [
-    [[], ["start manual", "pose"]],
-    [[VIEW], []],
-  ]) {
-    const { loop, log, settings, requests } = looping(t, views);
+  for (const views of [[], [VIEW]]) {
+    const { loop, service, settings, session } = looping(t, views);
     settings.focusMode = "manual";
     await loop.onFocused();
-    assert.deepEqual(log, expected);
-    assert.equal(requests.request.track.focusMode, "manual");
+    const begun = service.bodies("POST /session").map(({ track }) => track.focusMode);
+    assert.deepEqual(begun, views.length === 0 ? ["manual"] : []);
+    assert.equal(service.bodies("GET /session/pose").length > 0, views.length === 0);
+    assert.equal(session.request.track.focusMode, "manual");
   }
 });
 
 test("a finish during an outage follows once the service is back", async (t) => {
   t.mock.timers.enable({ apis: ["setTimeout"] });
-  const { loop, log, parts, state } = looping(t, [VIEW, VIEW, VIEW, VIEW]);
+  const { loop, service, parts, state } = looping(t, Array(4).fill(VIEW));
   state.link.offline = true;
   parts.finish.dispatchEvent(new Event("click"));
   void loop.run();
   await settle();
-  assert.deepEqual(log, []);
+  assert.deepEqual(service.calls, []);
   t.mock.timers.tick(FIRST_PAUSE_MS);
-  await settle();
-  assert.equal(log[0], "finish");
+  while (service.bodies("POST /session/finish").length === 0) await settle();
 });
-
-let fresh = 0;
-
-async function started() {
-  // The choice is read once a page: another page is another module.
-  const page = `?${fresh++}`;
-  const sent = [];
-  const json = async (method, path, _, { body } = {}) => {
-    if (path === "/session" && method === "POST") sent.push(body);
-    return { session_id: "s", views: [] };
-  };
-  const api = { json, send: async (...call) => new Response(JSON.stringify(await json(...call))) };
-  return { sent, api, page };
-}
 
 test("no session says a licence unless the person agreed", async (t) => {
   keepHere(t);
-  const { sent, api } = await started();
-  await calibrate(api, "t", REQUEST, [], () => {});
-  await new CaptureSession(api, "t", REQUEST).start();
-  assert.deepEqual(
-    sent.map((body) => [body.licence, body.licence_version]),
-    [
-      [undefined, undefined],
-      [undefined, undefined],
-    ],
-  );
+  const { service } = await begin();
+  await calibrate(service.api, "t", REQUEST, [], () => {});
+  const bodies = service.bodies("POST /session");
+  assert.equal(bodies.length, 2);
+  assert.ok(bodies.every((body) => !("licence" in body) && !("licence_version" in body)));
 });
 
 test("consent to an earlier text is none to this one", async (t) => {
@@ -247,17 +309,12 @@ test("consent to an earlier text is none to this one", async (t) => {
 
 test("a running session is given its licence later", async (t) => {
   const kept = keepHere(t);
-  const { sent, api } = await started();
-  kept.delete("calibdb.consent");
-  const session = new CaptureSession({ ...api, json: api.json, send: api.send }, "t", REQUEST);
-  await session.start();
+  const { service, capture } = await begin();
   kept.set("calibdb.consent", LICENCE_VERSION);
-  const calls = [];
-  await session.license({ json: async (...call) => void calls.push(call) });
-  assert.equal(sent.length, 1);
+  await capture.license(service.api);
   assert.deepEqual(
-    calls.map(([method, path]) => [method, path]),
-    [["POST", "/session/licence"]],
+    service.calls.map(({ call }) => call),
+    ["POST /auth", "POST /session", "POST /session/licence"],
   );
 });
 

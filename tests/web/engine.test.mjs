@@ -2,10 +2,14 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Engine } from "../../web/lib/capture/engine.js";
-import { DetectorError, PageDetector } from "../../web/lib/detector.js";
+import { Detector, DetectorError, PageDetector } from "../../web/lib/detector.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
+import { Feedback } from "../../web/lib/capture/feedback.js";
+import { colour } from "../../web/calibrate/tint.js";
+import { latest } from "../../web/lib/latest.js";
+import { Sharpest } from "../../web/lib/rank.js";
 import { METRICS } from "./scenes.mjs";
-import { setGlobals } from "./globals.mjs";
+import { inTurn, setGlobals } from "./globals.mjs";
 
 const SIZE = [1280, 720];
 const IDS = Array.from({ length: 40 }, (_, id) => id);
@@ -39,9 +43,7 @@ const detectorOf = (...answers) => ({
   async detect(image, options) {
     image.close();
     this.options = options;
-    const next = answers.length > 1 ? answers.shift() : answers[0];
-    if (next instanceof Error) throw next;
-    return next;
+    return inTurn(answers);
   },
 });
 
@@ -73,6 +75,15 @@ function pageOf(t, rounds, more = {}) {
   return page;
 }
 
+/** Parts of a page that looks on for so long, ms. */
+function lasting(ms) {
+  const start = performance.now();
+  return { isOver: () => performance.now() - start > ms, act: async () => {} };
+}
+
+/** A single camera. */
+const only = (stream) => [{ stream, half: 0 }];
+
 const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
@@ -98,7 +109,7 @@ test("each camera is looked at in each round, and no image is left open", async 
 test("the fourth failure of a detector ends the capture", async (t) => {
   const made = Array.from({ length: 4 }, () => detectorOf(new DetectorError("gone")));
   const page = pageOf(t, 1);
-  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], ...made).run(), DetectorError);
+  await assert.rejects(engineOf(page, only(streamOf()), ...made).run(), DetectorError);
   assert.deepEqual(page.log, ["stalled", "again", "stalled", "again", "stalled", "again"]);
   assert.deepEqual(
     made.map(({ closed }) => closed),
@@ -108,7 +119,7 @@ test("the fourth failure of a detector ends the capture", async (t) => {
 
 test("a turned device is reported before its images are looked at", async (t) => {
   const page = pageOf(t, 1);
-  await engineOf(page, [{ stream: { ...streamOf(), unchanged: false }, half: 0 }], detectorOf(detection())).run();
+  await engineOf(page, only({ ...streamOf(), unchanged: false }), detectorOf(detection())).run();
   assert.deepEqual(page.log, ["resized"]);
 });
 
@@ -138,13 +149,8 @@ test("a view with a jerk, blur or another size is refused", async (t) => {
 test("focus is locked once, after a hold", async (t) => {
   const stream = streamOf();
   let focused = 0;
-  const start = performance.now();
-  const page = pageOf(t, 0, {
-    isOver: () => performance.now() - start > 600,
-    act: async () => {},
-    onFocused: () => (focused += 1),
-  });
-  await engineOf(page, [{ stream, half: 0 }], detectorOf(detection())).run();
+  const page = pageOf(t, 0, { ...lasting(600), onFocused: () => (focused += 1) });
+  await engineOf(page, only(stream), detectorOf(detection())).run();
   assert.deepEqual([stream.locked, focused], [1, 1]);
 });
 
@@ -158,14 +164,12 @@ test("other boards are searched while no corner is seen", async (t) => {
       return { family: null, markers: [], inverted: false, mirrored: false, size: SIZE, chessboard: null };
     };
     const suggestions = [];
-    const start = performance.now();
     const page = pageOf(t, 0, {
-      isOver: () => performance.now() - start > 800,
-      act: async () => {},
+      ...lasting(800),
       isSearched: () => isSearched,
       suggest: (_, suggestion) => suggestions.push(suggestion),
     });
-    await engineOf(page, [{ stream: streamOf(), half: 0 }], detector).run();
+    await engineOf(page, only(streamOf()), detector).run();
     assert.equal(suggestions.length, looks);
     return suggestions;
   };
@@ -188,6 +192,134 @@ test("the detector is opened once, and again after a failure", async () => {
   detector.close();
   await assert.rejects(detector.open(), DetectorError);
   assert.ok(first.closed && (await detector.open()) === made[2]);
-  assert.equal(await detector.open(), made[2]);
   assert.equal(made.length, 3);
+});
+
+/** @type {{id: number}[]} what the worker was asked, in order */
+let asked = [];
+let answer;
+
+class SilentWorker {
+  constructor() {
+    answer = (event) => this.onmessage(event);
+  }
+
+  postMessage(message) {
+    asked.push(message);
+  }
+}
+
+function standStill(t) {
+  asked = [];
+  setGlobals(t, { Worker: SilentWorker });
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  return t.mock.timers;
+}
+
+const frame = () => ({ close() {} });
+
+test("a frame may wait for a slow look at all boards", async (t) => {
+  const timers = standStill(t);
+  const detector = new Detector();
+  const sighting = detector.sight(frame());
+  const detection = detector.detect(frame());
+  timers.tick(20_000);
+  answer({ data: { id: asked[0].id, result: "seen" } });
+  answer({ data: { id: asked[1].id, result: "found" } });
+  assert.deepEqual(await Promise.all([sighting, detection]), ["seen", "found"]);
+});
+
+test("a worker that answers no frame is reported after four seconds", async (t) => {
+  const timers = standStill(t);
+  const detection = new Detector().detect(frame());
+  timers.tick(3_999);
+  const outcome = assert.rejects(detection, /does not answer/);
+  timers.tick(2);
+  await outcome;
+});
+
+test("a worker that never opens is reported after twenty seconds", async (t) => {
+  const timers = standStill(t);
+  t.mock.method(globalThis, "fetch", async () => Response.json({ bytes: 1 }));
+  const outcome = assert.rejects(Detector.open({}), /does not answer/);
+  while (asked.length === 0) await new Promise(setImmediate);
+  timers.tick(20_001);
+  await outcome;
+});
+
+test("the loudspeaker rests between signs", (t) => {
+  const tones = [];
+  const states = [];
+  const part = () => ({ gain: { setValueAtTime() {}, exponentialRampToValueAtTime() {} }, connect: (next) => next });
+  const AudioContext = class {
+    currentTime = 0;
+    destination = {};
+    resume() {
+      states.push("running");
+    }
+    suspend() {
+      states.push("suspended");
+    }
+    createGain() {
+      return part();
+    }
+    createOscillator() {
+      const tone = { frequency: {}, start() {}, stop() {}, ...part() };
+      tones.push(tone);
+      return tone;
+    }
+  };
+  const navigator = { userActivation: { hasBeenActive: true } };
+  setGlobals(t, { AudioContext, navigator, localStorage: { getItem: () => null } });
+  const feedback = new Feedback();
+  feedback.give("taken");
+  assert.deepEqual([tones.length, states], [2, ["running"]]);
+  tones[0].onended();
+  assert.deepEqual(states, ["running"]);
+  tones[1].onended();
+  assert.deepEqual(states, ["running", "suspended"]);
+});
+
+test("green and magenta become the target's colours", () => {
+  const data = new Uint8ClampedArray([0, 255, 0, 255, 255, 0, 255, 255, 0, 0, 0, 255]);
+  colour(data);
+  assert.deepEqual([...data], [255, 176, 0, 255, 184, 153, 102, 255, 0, 0, 0, 255]);
+});
+
+test("a stale run's error is dropped, the latest one's is not", async () => {
+  const run = latest(async (signal, wait) => {
+    await wait;
+    signal.throwIfAborted();
+    throw new RangeError("failed");
+  });
+  const [stale, current] = [run(Promise.resolve()), run(Promise.resolve())];
+  assert.equal(await stale, undefined);
+  await assert.rejects(current, RangeError);
+});
+
+test("a cancelled run is stale too", async () => {
+  const run = latest(async () => "late");
+  const cancelled = run();
+  run.cancel();
+  assert.equal(await cancelled, undefined);
+  assert.equal(await run(), "late");
+});
+
+const at = (x, sharpness, count = 12) => ({
+  ids: Array.from({ length: count }, (_, id) => id),
+  points: Array.from({ length: count }, (_, id) => [x + 20 * (id % 4), 100 + 20 * Math.floor(id / 4)]),
+  outline: null,
+  sharpness,
+});
+
+test("of each place the sharpest frame is kept, and few corners are none", () => {
+  const frames = new Sharpest();
+  for (const frame of [at(100, 0.1), at(110, 0.2), at(120, 0.15), at(600, 0.1), at(900, 0.3, 5)])
+    frames.add(frame, 1280);
+  const starts = frames
+    .best(12, [1280, 720])
+    .map(({ points }) => points[0][0])
+    .sort((a, b) => a - b);
+  assert.deepEqual(starts, [110, 600]);
+  assert.equal(frames.best(1, [1280, 720]).length, 1);
 });

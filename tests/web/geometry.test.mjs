@@ -8,7 +8,7 @@ import { TABLES } from "../../web/vendor/dictionaries.js";
 import { blackRectangles, raster } from "../../web/lib/board-drawing.js";
 import { say } from "../../web/lib/i18n.js";
 import "./messages.mjs";
-import { DEFAULT_BOARD, DICTIONARIES, boardFrom, corners, dictionaryOf, markers } from "../../web/lib/board.js";
+import { DEFAULT_BOARD, DICTIONARIES, boardFrom, corners, dictionaryOf } from "../../web/lib/board.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 
@@ -29,18 +29,10 @@ for a in charuco:
     b.setLegacyPattern(a["legacy"])
     w, h = (n * a["scale"] + 2 * a["margin"] for n in a["squares"])
     p = b.generateImage((w, h), marginSize=a["margin"])
-    pixels, corners = base64.b64encode(p.tobytes()).decode(), b.getChessboardCorners().tolist()
-    found.append({"w": w, "h": h, "pixels": pixels, "corners": corners})
+    found.append([w, h, base64.b64encode(p.tobytes()).decode(), b.getChessboardCorners().tolist()])
 pictures = [draw_board(Board.from_record(record), 120) for record in others]
 print(json.dumps([found, [[*reversed(p.shape), base64.b64encode(p.tobytes()).decode()] for p in pictures]]))`;
-  const request = boards.map(([, { squares, marker_ratio, dictionary, legacy }, scale]) => ({
-    squares,
-    marker_ratio,
-    dictionary,
-    legacy,
-    scale,
-    margin: MARGIN,
-  }));
+  const request = boards.map(([, board, scale]) => ({ ...board, scale, margin: MARGIN }));
   const sent = JSON.stringify([request, others]);
   return JSON.parse(execFileSync(python, ["-c", script, sent], { maxBuffer: 1 << 28 }));
 }
@@ -50,8 +42,6 @@ const cases = [
   ["the default board", DEFAULT_BOARD, 120],
   ["a legacy board with an even number of rows", { ...DEFAULT_BOARD, legacy: true }, 120],
   ["a legacy board with an odd number of rows", { ...DEFAULT_BOARD, squares: [6, 7], legacy: true }, 120],
-  ["5x5 bits", { squares: [5, 7], marker_ratio: 0.7, dictionary: "DICT_5X5_100", legacy: false }, 100],
-  ["6x6 bits", { squares: [7, 5], marker_ratio: 0.8, dictionary: "DICT_6X6_250", legacy: false }, 100],
   ["7x7 bits", { squares: [11, 8], marker_ratio: 0.6, dictionary: "DICT_7X7_1000", legacy: true }, 90],
   [
     "the original dictionary",
@@ -59,7 +49,6 @@ const cases = [
     100,
   ],
   ["AprilTag 16h5", { squares: [9, 6], marker_ratio: 0.75, dictionary: "DICT_APRILTAG_16h5", legacy: false }, 80],
-  ["AprilTag 25h9", { squares: [10, 7], marker_ratio: 0.7, dictionary: "DICT_APRILTAG_25h9", legacy: false }, 100],
   ["AprilTag 36h10", { squares: [30, 40], marker_ratio: 0.8, dictionary: "DICT_APRILTAG_36h10", legacy: false }, 50],
   ["AprilTag 36h11", { squares: [8, 11], marker_ratio: 0.8, dictionary: "DICT_APRILTAG_36h11", legacy: true }, 100],
 ];
@@ -79,35 +68,24 @@ const kinds = [
 
 const [drawings, drawingsOfKinds] = existsSync(python) ? drawnByPython(cases, kinds) : [[], []];
 
+function expectDrawing({ width, height, data }, [expectedWidth, expectedHeight, pixels]) {
+  assert.deepEqual([width, height], [expectedWidth, expectedHeight]);
+  assert.equal(Buffer.from(pixels, "base64").compare(Buffer.from(data)), 0);
+}
+
 for (const [index, [name, board, scale]] of cases.entries()) {
   test(
     `${name} equals OpenCV's drawing in every pixel`,
     { skip: !existsSync(python) && "no Python environment" },
     () => {
-      const expected = drawings[index];
-      const ours = raster(board, scale, MARGIN);
-      assert.deepEqual([ours.width, ours.height], [expected.w, expected.h]);
-      const pixels = Buffer.from(expected.pixels, "base64");
-      let different = 0;
-      for (let i = 0; i < pixels.length; i++) if (pixels[i] !== ours.data[i]) different += 1;
-      assert.equal(different, 0);
+      expectDrawing(raster(board, scale, MARGIN), drawings[index]);
       assert.deepEqual(
         corners(board),
-        expected.corners.map(([x, y]) => [x, y]),
+        drawings[index][3].map(([x, y]) => [x, y]),
       );
     },
   );
 }
-
-test("black rectangles do not overlap and stay on the board", () => {
-  const rectangles = blackRectangles(DEFAULT_BOARD);
-  const area = rectangles.reduce((sum, [, , w, h]) => sum + w * h, 0);
-  const { data, width, height } = raster(DEFAULT_BOARD, 120);
-  const black = data.reduce((sum, value) => sum + (value === 0 ? 1 : 0), 0) / (120 * 120);
-  assert.ok(Math.abs(area - black) < 1e-9, `${area} drawn, ${black} black`);
-  assert.deepEqual([width, height], [9 * 120, 6 * 120]);
-  assert.equal(markers(DEFAULT_BOARD).length, 27);
-});
 
 test("an unknown or small dictionary is refused by name", () => {
   assert.throws(() => blackRectangles({ ...DEFAULT_BOARD, dictionary: "DICT_9X9_50" }), /DICT_9X9_50/);
@@ -118,7 +96,6 @@ test("a board that cannot be is named, and the default taken", () => {
   for (const [query, reason] of [
     ["squares=2x9", /3 to 50/],
     ["squares=9", /across and down/],
-    ["squares=axb", /across and down/],
     ["squares=65x3", /3 to 50/],
     ["squares=3x3", /six corners/],
     ["marker_ratio=1", /0.3 to 0.95/],
@@ -147,10 +124,7 @@ test(
   { skip: !existsSync(python) && "no Python environment" },
   () => {
     kinds.forEach((board, index) => {
-      const [width, height, pixels] = drawingsOfKinds[index];
-      const ours = raster(board, 120);
-      assert.deepEqual([ours.width, ours.height], [width, height], board.kind);
-      assert.equal(Buffer.from(pixels, "base64").compare(Buffer.from(ours.data)), 0, board.kind ?? "inverted");
+      expectDrawing(raster(board, 120), drawingsOfKinds[index]);
     });
   },
 );

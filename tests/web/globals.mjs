@@ -16,16 +16,33 @@ export function setGlobals(t, globals) {
   }
 }
 
-/** The storage of a browser. @param {import("node:test").TestContext} t @returns {Map<string, string>} what it keeps */
+/** A browser's storage. @param {Map<string, string>} kept its content */
+export const storageOf = (kept) => ({
+  getItem: (name) => kept.get(name) ?? null,
+  setItem: (name, value) => void kept.set(name, value),
+  removeItem: (name) => void kept.delete(name),
+});
+
+/** A storage without room. */
+export const FULL = {
+  getItem: () => null,
+  setItem() {
+    throw new DOMException("full", "QuotaExceededError");
+  },
+};
+
+/** The page's storage. @param {import("node:test").TestContext} t @returns {Map<string, string>} what it keeps */
 export function keepHere(t) {
   const kept = new Map();
-  const localStorage = {
-    getItem: (name) => kept.get(name) ?? null,
-    setItem: (name, value) => void kept.set(name, value),
-    removeItem: (name) => void kept.delete(name),
-  };
-  setGlobals(t, { localStorage });
+  setGlobals(t, { localStorage: storageOf(kept) });
   return kept;
+}
+
+/** One answer after the other, the last again and again; errors are thrown. */
+export function inTurn(answers) {
+  const next = answers.length > 1 ? answers.shift() : answers[0];
+  if (next instanceof Error) throw next;
+  return next;
 }
 
 /**

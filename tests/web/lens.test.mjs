@@ -6,15 +6,13 @@ import { Calibration, UnknownModelError, lensOf, projectionMatrix } from "../../
 import { widePinhole } from "../../web/sdk/rectification.js";
 import { rectifiedMatrix, rectifyingMap } from "../../web/sdk/rectifier.js";
 
-const vectors = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", import.meta.url), "utf8"));
+import { calibrationOf, cameraMatrix, rectangle } from "./scenes.mjs";
+
+const { lenses: vectors } = JSON.parse(readFileSync(new URL("../data/vectors.json", import.meta.url), "utf8"));
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => value - b[axis]));
 
 const intrinsicsOf = ({ model, k: [fx, fy, cx, cy, ...d] }) => ({
-  camera_matrix: [
-    [fx, 0, cx],
-    [0, fy, cy],
-    [0, 0, 1],
-  ],
+  camera_matrix: cameraMatrix([fx, fy], [cx, cy]),
   distortion_model: model,
   distortion_coefficients: d,
 });
@@ -43,54 +41,37 @@ test("every known model has names for its coefficients", () => {
   for (const { model, k } of vectors) assert.equal(COEFFICIENTS[model].length, k.length - 4);
 });
 
-const WIDE = {
-  img_size: [1280, 720],
-  camera_matrix: [
-    [1013.7, 0, 652.3],
-    [0, 1009.1, 348.8],
-    [0, 0, 1],
-  ],
-  distortion_model: "rectilinear",
+const WIDE = calibrationOf([1013.7, 1009.1], [652.3, 348.8], {
   distortion_coefficients: [-0.1, 0.02, 0.001, -0.002, 0.003],
-};
-/** Position at which a matrix draws a point, from the viewport's top-left corner. */
-function drawn(m, [x, y, z], [width, height]) {
-  const [a, b, c] = [x, -y, -z];
-  const at = (row) => m[row] * a + m[4 + row] * b + m[8 + row] * c + m[12 + row];
-  return [((at(0) / at(3) + 1) / 2) * width, ((1 - at(1) / at(3)) / 2) * height, at(2) / at(3)];
-}
+});
 
 test("depth runs from -1 at the near plane to 1 at the far one", () => {
-  const depth = (frustum, z) => drawn(projectionMatrix(WIDE, frustum), [0, 0, z], [1, 1])[2];
-  assert.ok(
-    Math.abs(depth({ near: 0.2, far: 50 }, 0.2) + 1) < 1e-12 && Math.abs(depth({ near: 0.2, far: 50 }, 50) - 1) < 1e-12,
-  );
-  assert.ok(
-    Math.abs(depth({ near: 0.2, far: Infinity }, 0.2) + 1) < 1e-12 && depth({ far: Infinity }, 1e9) > 0.999999999,
-  );
+  const depth = (far, z) => {
+    const m = projectionMatrix(WIDE, { near: 0.2, far });
+    return (m[14] - m[10] * z) / (m[15] - m[11] * z);
+  };
+  assert.ok(Math.abs(depth(50, 0.2) + 1) < 1e-12 && Math.abs(depth(50, 50) - 1) < 1e-12);
+  assert.ok(Math.abs(depth(Infinity, 0.2) + 1) < 1e-12 && depth(Infinity, 1e9) > 0.999999999);
 });
 
 const LENSES = vectors.map(intrinsicsOf);
 
 test("OpenCV gets what each of its modules takes", () => {
-  const cameraMatrix = [1013.7, 0, 652.3, 0, 1009.1, 348.8, 0, 0, 1];
+  const pinhole = { imageSize: [1280, 720], cameraMatrix: [1013.7, 0, 652.3, 0, 1009.1, 348.8, 0, 0, 1] };
   const of = (distortion_model, distortion_coefficients) =>
     new Calibration({ ...WIDE, distortion_model, distortion_coefficients }).toOpenCV();
   assert.deepEqual(new Calibration(WIDE).toOpenCV(), {
-    imageSize: [1280, 720],
-    cameraMatrix,
+    ...pinhole,
     distCoeffs: WIDE.distortion_coefficients,
     module: "",
   });
   assert.deepEqual(of("fisheye", [1, 2, 3, 4]), {
-    imageSize: [1280, 720],
-    cameraMatrix,
+    ...pinhole,
     distCoeffs: [1, 2, 3, 4],
     module: "fisheye",
   });
   assert.deepEqual(of("omnidirectional", [1.2, 1, 2, 3, 4]), {
-    imageSize: [1280, 720],
-    cameraMatrix,
+    ...pinhole,
     distCoeffs: [1, 2, 3, 4],
     xi: 1.2,
     module: "omnidir",
@@ -110,23 +91,12 @@ test("a scene is magnified as by the lens at its axis", () => {
   const weak = LENSES.filter(({ distortion_model, distortion_coefficients: d }) =>
     d.slice(distortion_model === "omnidirectional" ? 1 : 0).every((c) => Math.abs(c) < 0.1),
   );
-  assert.deepEqual([...new Set(weak.map(({ distortion_model }) => distortion_model))].sort(), [
-    "fisheye",
-    "omnidirectional",
-    "rational",
-    "rectilinear",
-  ]);
-  for (const { camera_matrix, distortion_model, distortion_coefficients } of weak) {
-    const calibration = new Calibration({
-      camera_matrix,
-      distortion_model,
-      distortion_coefficients,
-      img_size: [1280, 720],
-    });
-    const matrix = calibration.projectionMatrix();
-    const [x, y] = magnification(lensOf(calibration));
-    assert.ok(Math.abs((matrix[0] * 640) / x - 1) < 1e-9, `${distortion_model}: ${matrix[0] * 640} px instead of ${x}`);
-    assert.ok(Math.abs((matrix[5] * 360) / y - 1) < 1e-9, `${distortion_model}: ${matrix[5] * 360} px instead of ${y}`);
+  assert.equal(new Set(weak.map(({ distortion_model }) => distortion_model)).size, 4);
+  for (const lens of weak) {
+    const matrix = new Calibration({ ...lens, img_size: [1280, 720] }).projectionMatrix();
+    const [x, y] = magnification(lensOf(lens));
+    assert.ok(Math.abs((matrix[0] * 640) / x - 1) < 1e-9, `${lens.distortion_model}: ${matrix[0] * 640} px, not ${x}`);
+    assert.ok(Math.abs((matrix[5] * 360) / y - 1) < 1e-9, `${lens.distortion_model}: ${matrix[5] * 360} px, not ${y}`);
   }
 });
 
@@ -149,27 +119,15 @@ test("a calibration of an unknown model is data without a lens", () => {
 });
 
 const SIZE = [640, 360];
-const matrix = [
-  [500, 0, 325],
-  [0, 500, 178],
-  [0, 0, 1],
-];
-const barrel = {
+const barrel = calibrationOf([500], [325, 178], {
   img_size: SIZE,
-  camera_matrix: matrix,
-  distortion_model: "rectilinear",
   distortion_coefficients: [-0.25, 0.05, 0, 0, 0],
-};
-const fisheye = {
+});
+const fisheye = calibrationOf([180], [320, 180], {
   img_size: SIZE,
-  camera_matrix: [
-    [180, 0, 320],
-    [0, 180, 180],
-    [0, 0, 1],
-  ],
   distortion_model: "fisheye",
   distortion_coefficients: [0, 0, 0, 0],
-};
+});
 const inside = ([u, v]) => u >= -0.5 && v >= -0.5 && u <= SIZE[0] - 0.5 && v <= SIZE[1] - 0.5;
 /** Part of the straightened picture that has something to show. */
 function filled(calibration, balance) {
@@ -184,12 +142,7 @@ test("balance 0 has no black edge, balance 1 the whole picture", () => {
   assert.ok(filled(barrel, 1) < 0.97);
   const [[f, , cx], [, , cy]] = rectifiedMatrix(barrel, 1);
   const lens = lensOf(barrel);
-  for (const corner of [
-    [0, 0],
-    [SIZE[0] - 1, 0],
-    [0, SIZE[1] - 1],
-    [SIZE[0] - 1, SIZE[1] - 1],
-  ]) {
+  for (const corner of rectangle(0, 0, SIZE[0] - 1, SIZE[1] - 1)) {
     const [x, y, z] = lens.unproject(corner);
     const at = [(f * x) / z + cx, (f * y) / z + cy];
     assert.ok(at[0] > -1.5 && at[1] > -1.5 && at[0] < SIZE[0] + 0.5 && at[1] < SIZE[1] + 0.5, `${corner} at ${at}`);
@@ -203,38 +156,16 @@ test("a lens wider than a plane is cut, not squeezed", () => {
 });
 
 test("a scene to distort is as sharp as the lens at its axis", () => {
-  const lenses = {
-    rectilinear: [
-      [900, 900],
-      [-0.1, 0.01, 0, 0, 0],
-    ],
-    rational: [
-      [900, 900],
-      [-0.1, 0.01, 0, 0, 0, 0.01, 0, 0],
-    ],
-    fisheye: [
-      [900, 900],
-      [-0.01, 0, 0, 0],
-    ],
-    omnidirectional: [
-      [1800, 1800],
-      [1, 0, 0, 0, 0],
-    ],
-  };
-  for (const [distortion_model, [[fx, fy], distortion_coefficients]] of Object.entries(lenses)) {
+  for (const [distortion_model, focal, distortion_coefficients] of [
+    ["rectilinear", 900, [-0.1, 0.01, 0, 0, 0]],
+    ["rational", 900, [-0.1, 0.01, 0, 0, 0, 0.01, 0, 0]],
+    ["fisheye", 900, [-0.01, 0, 0, 0]],
+    ["omnidirectional", 1800, [1, 0, 0, 0, 0]],
+  ]) {
     const {
       img_size: [width, height],
       camera_matrix: [[f]],
-    } = widePinhole({
-      img_size: [1280, 720],
-      camera_matrix: [
-        [fx, 0, 639.5],
-        [0, fy, 359.5],
-        [0, 0, 1],
-      ],
-      distortion_model,
-      distortion_coefficients,
-    });
+    } = widePinhole(calibrationOf([focal], [639.5, 359.5], { distortion_model, distortion_coefficients }));
     assert.equal(f, 900, distortion_model);
     assert.ok(width < 1.35 * 1280 && height < 1.35 * 720, `${distortion_model}: ${width}x${height}`);
   }

@@ -4,24 +4,19 @@ import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
 import { questionOf } from "../../web/photos/likely.js";
-import { sortByGain, rankByNovelty } from "../../web/lib/rank.js";
+import { rankByNovelty, sortByGain } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
+import { playedFrames } from "../../web/photos/video-frames.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
+import { drawnBoard } from "../../web/photos/wanted.js";
+import { Sessions } from "./sessions.mjs";
+import { setGlobals } from "./globals.mjs";
+import { PINHOLE, isInside, targetOf } from "./scenes.mjs";
 
-function tiff({
-  little,
-  make = "Canon",
-  model = "Canon EOS R6",
-  lens = "RF24-70mm F2.8 L IS USM",
-  orientation = 6,
-  focal = [243, 10],
-}) {
+/** EXIF of a Canon EOS R6, turned by a quarter, at 24.3 mm. @param {boolean} little its byte order */
+function tiff(little) {
   const bytes = new DataView(new ArrayBuffer(400));
   let free = 200;
-  const ascii = (text) => {
-    [...`${text}\0`].forEach((character, index) => bytes.setUint8(free + index, character.charCodeAt(0)));
-    free += text.length + 1;
-    return free - text.length - 1;
-  };
   const entry = (at, tag, type, count, value) => {
     bytes.setUint16(at, tag, little);
     bytes.setUint16(at + 2, type, little);
@@ -29,20 +24,23 @@ function tiff({
     if (type === 3) bytes.setUint16(at + 8, value, little);
     else bytes.setUint32(at + 8, value, little);
   };
+  const words = (at, tag, text) => {
+    entry(at, tag, 2, text.length + 1, free);
+    for (const character of `${text}\0`) bytes.setUint8(free++, character.charCodeAt(0));
+  };
   bytes.setUint16(0, little ? 0x4949 : 0x4d4d);
   bytes.setUint16(2, 42, little);
   bytes.setUint32(4, 8, little);
   bytes.setUint16(8, 4, little);
-  entry(10, 0x010f, 2, make.length + 1, ascii(make));
-  entry(22, 0x0110, 2, model.length + 1, ascii(model));
-  entry(34, 0x0112, 3, 1, orientation);
+  words(10, 0x010f, "Canon");
+  words(22, 0x0110, "Canon EOS R6");
+  entry(34, 0x0112, 3, 1, 6);
   entry(46, 0x8769, 4, 1, 80);
   bytes.setUint16(80, 2, little);
-  bytes.setUint32(free + 2, focal[0], little);
-  bytes.setUint32(free + 6, focal[1], little);
-  entry(82, 0x920a, 5, 1, free + 2);
-  free += 12;
-  entry(94, 0xa434, 2, lens.length + 1, ascii(lens));
+  bytes.setUint32(300, 243, little);
+  bytes.setUint32(304, 10, little);
+  entry(82, 0x920a, 5, 1, 300);
+  words(94, 0xa434, "RF24-70mm F2.8 L IS USM");
   return new Uint8Array(bytes.buffer);
 }
 const joined = (...parts) =>
@@ -61,7 +59,7 @@ const jpeg = (block) =>
 
 test("EXIF is read in every format and byte order", () => {
   for (const little of [true, false]) {
-    const block = tiff({ little });
+    const block = tiff(little);
     const files = {
       jpeg: jpeg(block),
       tiff: joined(block),
@@ -97,7 +95,7 @@ test("EXIF is read in every format and byte order", () => {
 });
 
 test("a turned photograph is turned back to the sensor's rows", () => {
-  const file = jpeg(tiff({ little: true }));
+  const file = jpeg(tiff(true));
   const exif = readExif(file);
   const straight = unturned(file, exif);
   assert.equal(readExif(straight).orientation.value, 1);
@@ -106,7 +104,7 @@ test("a turned photograph is turned back to the sensor's rows", () => {
 });
 
 test("files that are cut, empty or of nobody's are read without a word", () => {
-  const file = jpeg(tiff({ little: false }));
+  const file = jpeg(tiff(false));
   for (let length = 0; length < file.byteLength; length += 7)
     assert.equal(typeof readExif(file.slice(0, length)).model, "string");
   assert.equal(cameraName(readExif(new ArrayBuffer(50))), "");
@@ -123,7 +121,6 @@ test("names are said as people say them", () => {
 });
 
 const picture = (more) => ({
-  name: "a",
   camera: "A",
   focal: 0,
   kind: "photographs",
@@ -169,49 +166,21 @@ test("the photograph that shows something new comes first, the copy last", () =>
   assert.ok([flat, copy].includes(order[3]));
 });
 
-/** A service that refuses view 1 until it has taken two, never takes view 5, and judges `most` views of a request. */
-function service({ reached, most = Infinity }) {
-  const calls = [];
-  const bodies = [];
-  let taken = [];
-  let done = false;
-  const state = () => ({
-    status: done ? "converged" : "capturing",
-    calibration_id: done ? "id" : null,
-    views: taken.map((id, index) => ({ index, id, set_aside: null })),
-    uncertainty: taken.length ? { rms: reached[taken.length - 1] } : null,
-  });
-  const api = {
-    async json(method, path, credential, { body } = {}) {
-      calls.push(`${method} ${path}`);
-      bodies.push(body);
-      if (path === "/auth") return { session_id: "s" };
-      if (path === "/session/pose") return { index: taken.length };
-      if (path === "/session/finish") done = true;
-      if (path !== "/session/batch") return state();
-      assert.equal(body.index, taken.length);
-      const results = body.views.slice(0, most).map(({ ids: [id] }) => {
-        const reason = id === 5 ? "degenerate" : id === 1 && taken.length < 2 ? "outlier" : null;
-        if (!reason) taken = [...taken, id];
-        return {
-          accepted: !reason,
-          reason,
-          index: reason ? null : taken.length - 1,
-          error: reason ? null : state().uncertainty.rms,
-        };
-      });
-      return { ...state(), results };
-    },
-  };
-  return { api, calls, bodies };
+/** A service that refuses view 1 until it has taken two, and never takes view 5. */
+function service() {
+  const sessions = new Sessions();
+  sessions.judge = (id, taken) => (id === 5 ? "degenerate" : id === 1 && taken < 2 ? "outlier" : null);
+  return sessions;
 }
 const views = [0, 1, 5, 2, 3].map((id) => ({ ids: [id], points: [[id, id]] }));
 const request = { camera: "A", platform: "photographs", img_size: [1280, 720] };
 
 test("every view that agrees counts, however little it adds", async () => {
-  const { api, calls, bodies } = service({ reached: [3, 1, 0.5, 40] });
+  const sessions = service();
   const judged = [];
-  const { state, wanted, numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement));
+  const { state, wanted, numbers } = await calibrate(sessions.api, "t", request, views, (judgement) =>
+    judged.push(judgement),
+  );
   assert.deepEqual([state.status, state.calibration_id], ["converged", "id"], "a poor result is kept for its maker");
   assert.deepEqual(
     [...numbers],
@@ -223,7 +192,7 @@ test("every view that agrees counts, however little it adds", async () => {
     ],
   );
   assert.deepEqual(wanted, { index: 4 });
-  assert.equal(bodies[1].capture, "recorded");
+  assert.equal(sessions.bodies("POST /session")[0].capture, "recorded");
   assert.deepEqual(
     judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]),
     [
@@ -234,16 +203,16 @@ test("every view that agrees counts, however little it adds", async () => {
     ],
   );
   assert.equal(judged.filter(({ view }) => view === 2).length, 1, "what no other view can mend is offered once");
-  assert.equal(calls.filter((call) => call === "POST /session/finish").length, 1);
-  assert.equal(calls.filter((call) => call === "POST /session/batch").length, 2);
+  assert.equal(sessions.bodies("POST /session/batch").length, 2);
 });
 
 test("views for which a request has no time are sent in the next", async () => {
-  const { api, bodies } = service({ reached: [3, 1, 0.5, 0.5], most: 2 });
+  const sessions = service();
+  sessions.most = 2;
   const judged = [];
-  await calibrate(api, "t", request, views, (judgement) => judged.push(judgement.view));
-  const batches = bodies
-    .filter((body) => body?.views)
+  await calibrate(sessions.api, "t", request, views, (judgement) => judged.push(judgement.view));
+  const batches = sessions
+    .bodies("POST /session/batch")
     .map(({ index, views: sent }) => [index, sent.map(({ ids }) => ids[0])]);
   assert.deepEqual(batches, [
     [0, [0, 1, 5, 2, 3]],
@@ -269,11 +238,10 @@ test("what was used is shown first, in the order in which the error fell", () =>
 });
 
 test("views that are too few are not stored; what would help is asked for", async () => {
-  const { api, calls } = service({ reached: [9, 7, 5] });
+  const { api } = service();
   const { state, wanted } = await calibrate(api, "t", request, views.slice(0, 3), () => {});
   assert.equal(state.calibration_id, null);
   assert.deepEqual(wanted, { index: 1 });
-  assert.ok(!calls.includes("POST /session/finish"));
 });
 
 test("unreadable files are classified by type, then name", () => {
@@ -293,7 +261,7 @@ test("unreadable files are classified by type, then name", () => {
 
 test("the first photo that names its camera is looked up", () => {
   const nameless = picture({ camera: "", ids: [] });
-  const phone = { ...nameless, name: "b", camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
+  const phone = { ...nameless, camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
   assert.equal(questionOf([nameless, { ...phone, kind: "video" }]), null);
   assert.deepEqual(questionOf([nameless, phone]), {
     camera: "Apple iPhone 13",
@@ -306,3 +274,90 @@ test("the first photo that names its camera is looked up", () => {
   });
   assert.equal("reported" in questionOf([{ ...phone, focal35: 0 }]), false);
 });
+
+const SCREEN_HZ = 60;
+
+/** A video of `count` frames; rate and what the browser decodes (capacity) in frames/s. */
+function film({ rate, count, capacity }) {
+  const listeners = {};
+  const video = {
+    duration: count / rate,
+    playbackRate: 1,
+    currentTime: 0,
+    paused: true,
+    played: 0,
+    addEventListener: (name, call) => (listeners[name] = call),
+    requestVideoFrameCallback: (call) => (video.callback = call),
+    pause: () => (video.paused = true),
+    play: async () => {
+      video.paused = false;
+    },
+  };
+  let [at, lastFrame, budget] = [0, 0, 0];
+  const tick = () => {
+    if (video.paused) return;
+    video.played += 1 / SCREEN_HZ;
+    at += video.playbackRate / SCREEN_HZ;
+    budget = Math.min(1, budget + capacity / SCREEN_HZ);
+    const frame = Math.floor(at * rate);
+    if (frame >= count) return listeners.ended?.();
+    if (frame === lastFrame || budget < 1) return;
+    [lastFrame, budget] = [frame, budget - 1];
+    const call = video.callback;
+    video.callback = null;
+    call?.(0, { mediaTime: frame / rate });
+  };
+  return { video, tick };
+}
+
+/** One refresh of the screen is needed to look at a picture. */
+async function watch(t, options) {
+  const { video, tick } = film(options);
+  const document = { hidden: false, addEventListener() {} };
+  setGlobals(t, { document, createImageBitmap: async () => ({ close() {} }) });
+  const times = [];
+  const timer = setInterval(tick, 0);
+  for await (const { time } of playedFrames(video, 120, new AbortController().signal)) {
+    times.push(time);
+    const until = video.played + 1 / SCREEN_HZ;
+    while (video.played < until && !video.paused) await new Promise(setImmediate);
+  }
+  clearInterval(timer);
+  return { times, played: video.played };
+}
+
+test("a long video is played faster without losing frames", async (t) => {
+  const { times, played } = await watch(t, { rate: 24, count: 260, capacity: 60 });
+  assert.ok(times.length >= 116, `${times.length} frames`);
+  assert.ok(played < 0.6 * (260 / 24), `${played} s`);
+});
+
+test("a browser that misses frames is given the time that it needs", async (t) => {
+  const { times } = await watch(t, { rate: 6, count: 57, capacity: 14 });
+  assert.ok(times.length >= 54, `${times.length} frames of 57`);
+  assert.equal(new Set(times).size, times.length);
+});
+
+const POSE = { rvec: [0.3, -0.4, 0.05], tvec: [-5.5, -3.5, 9] };
+/** A lens whose model folds the edge of the board back: a fit of few views may say that. */
+const FOLDING = { ...PINHOLE, fx: 900, fy: 900, k1: -0.5, k2: 0.1 };
+
+for (const board of [
+  DEFAULT_BOARD,
+  { ...DEFAULT_BOARD, squares: [4, 5], inverted: true },
+  { ...DEFAULT_BOARD, kind: "chessboard", squares: [9, 7] },
+]) {
+  test(`the squares and markers of a drawn board lie within its rim: ${JSON.stringify(board)}`, () => {
+    const pose = targetOf(board, FOLDING, POSE);
+    const { rim, black } = drawnBoard(board, pose);
+    const centres = black.map((polygon) =>
+      [0, 1].map((k) => polygon.reduce((sum, point) => sum + point[k], 0) / polygon.length),
+    );
+    assert.ok(centres.every((centre) => isInside(centre, rim)));
+    assert.ok(pose.corners.every((corner) => isInside(corner, rim)));
+    assert.ok(black.length > (board.kind === "chessboard" ? 30 : 100));
+    const some = pose.ids.filter((id) => id % 5 !== 0);
+    const part = drawnBoard(board, { ...pose, ids: some, corners: some.map((id) => pose.corners[id]) });
+    assert.equal(part.black.length, black.length);
+  });
+}

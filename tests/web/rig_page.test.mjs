@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ApiError, OfflineError } from "../../web/lib/api.js";
-import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
-import { composePoses, invertPose } from "../../web/lib/pose.js";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
+import { composePoses } from "../../web/lib/pose.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
 import { MOVING } from "../../web/lib/capture/stillness.js";
 import { intrinsicsOf } from "../../web/lib/virtual/lens.js";
@@ -12,9 +12,9 @@ import { answer, isReady, remoteHold, requiredHold } from "../../web/rig/moments
 import { Outbox } from "../../web/rig/outbox.js";
 import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "../../web/rig/progress.js";
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
-import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
-import { cornersSeen, see } from "./scenes.mjs";
+import { inTurn } from "./globals.mjs";
+import { cornersSeen, distances, targetOf } from "./scenes.mjs";
 import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
@@ -36,11 +36,6 @@ test("a view needs a board that was still before its moment was opened", () => {
   const sight = sightOf(1_000, 3_000);
   assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 2_800 }, 3_000), "take");
   assert.equal(answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000), "miss");
-  assert.equal(
-    answer(sight, { unopenedAt: -Infinity, seenAt: 2_800 }, 3_000),
-    "miss",
-    "nobody here looked before it was open",
-  );
   assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 3_010 }, 3_020), "wait");
   const moved = observeFrame(sight, detection(40), 3_200, DEFAULT_BOARD);
   assert.equal(answer(moved, { unopenedAt: 1_500, seenAt: 3_100 }, 3_200), "miss");
@@ -79,9 +74,7 @@ function boxOf(answers, letters = []) {
     {
       send: async (letter) => {
         log.push(`${letter.kind} ${letter.position ?? letter.moment}`);
-        const found = answers.shift() ?? {};
-        if (found instanceof Error) throw found;
-        return found;
+        return inTurn(answers) ?? {};
       },
       save: () => saved.push(box.letters.length),
       onSent() {},
@@ -107,7 +100,7 @@ test("captured views are delivered in order", async () => {
 });
 
 test("a refused letter does not hold up the rest", async () => {
-  const { box, log } = boxOf([{}, new ApiError(409, { type: "x#moment-undone" })], LETTERS);
+  const { box, log } = boxOf([{}, new ApiError(409, { type: "x#moment-undone" }), {}], LETTERS);
   await box.flush();
   assert.deepEqual(log, ["open a", "view 0", "refused 409", "view 1"]);
 });
@@ -124,8 +117,8 @@ test("the link tells since when what is new was not there", async () => {
   const states = [{ status: "capturing", moments: [] }, null, { status: "finished", moments: [1] }];
   const told = [];
   const service = {
-    state: async () => {
-      const state = states.shift();
+    async state() {
+      const state = inTurn(states);
       return state && { state, etag: "e" };
     },
   };
@@ -149,27 +142,15 @@ test("the link tells since when what is new was not there", async () => {
 });
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], board: DEFAULT_BOARD };
-const recordOf = (leads, count) => ({
-  about: "",
-  leads,
-  query: "",
-  cameras: 3,
-  square_size: 0.03,
-  choices: [],
-  letters: [],
-  members: Array.from({ length: count }, (_, position) => ({
-    position: leads ? position : 0,
-    session: "",
-    opened: false,
-    request: null,
-  })),
-});
+const memberAt = (position) => ({ position, session: "", opened: false, request: null });
+const recordOf = (leads, ...members) => ({ about: "", leads, cameras: 3, square_size: 0.03, members });
 
 test("a reloaded page joins a rig with the same sessions", async () => {
   const calls = [];
   let isLost = true;
+  let sessions = 0;
   const service = {
-    authenticate: async () => `s${calls.filter((call) => call[0] === "auth").length + (calls.push(["auth"]) && 0)}`,
+    authenticate: async () => `s${sessions++}`,
     openSession: async (session, { rig }) => {
       calls.push([session, rig]);
       if (rig && isLost) throw new OfflineError();
@@ -177,21 +158,18 @@ test("a reloaded page joins a rig with the same sessions", async () => {
     },
     create: async (session, body) => calls.push([session, body]) && { rig_id: "r", join_code: "ABC234", expires_at: 9 },
   };
-  const record = recordOf(true, 2);
+  const record = recordOf(true, memberAt(0), memberAt(1));
   const saves = [];
   const save = async () => saves.push(record.about);
   await assert.rejects(enter(service, record, [REQUEST, REQUEST], { save }), OfflineError);
   isLost = false;
   assert.equal(await enter(service, record, [REQUEST, REQUEST], { save }), null);
-  assert.deepEqual(
-    calls.filter(([kind]) => kind !== "auth"),
-    [
-      ["s0", undefined],
-      ["s0", { cameras: 3, square_size: 0.03 }],
-      ["s1", { id: "r", position: 1 }],
-      ["s1", { id: "r", position: 1 }],
-    ],
-  );
+  assert.deepEqual(calls, [
+    ["s0", undefined],
+    ["s0", { cameras: 3, square_size: 0.03 }],
+    ["s1", { id: "r", position: 1 }],
+    ["s1", { id: "r", position: 1 }],
+  ]);
   assert.ok(saves.every((id) => id === "r") && record.members.every(({ opened }) => opened));
 });
 
@@ -208,7 +186,7 @@ test("a refused code is told apart from another board", async () => {
       },
     };
     await assert.rejects(
-      enter(service, recordOf(false, 1), [REQUEST], { code: "ABC234", save: async () => {} }),
+      enter(service, recordOf(false, memberAt(0)), [REQUEST], { code: "ABC234", save: async () => {} }),
       (error) => error instanceof JoinError && error.code === code,
     );
   }
@@ -218,23 +196,11 @@ test("the simulated board covers the target in the first camera", () => {
   const parameters = new URLSearchParams("error=0");
   const { lens, size } = setupAt(parameters, 0);
   const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
-  const places = boardCorners(DEFAULT_BOARD);
-  const corners = see(lens, pose, places);
-  const target = {
-    position: 0,
-    ...pose,
-    rvec: [0.32, -0.2, 0.1],
-    ids: places.map((_, id) => id),
-    corners,
-    outline: [],
-  };
+  const target = { position: 0, ...targetOf(DEFAULT_BOARD, lens, pose), rvec: [0.32, -0.2, 0.1] };
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
-  const off = see(lens, found, places).map(([u, v], id) => Math.hypot(u - corners[id][0], v - corners[id][1]));
+  const off = distances(cornersSeen(DEFAULT_BOARD, lens, found).points, target.corners);
   assert.ok(Math.max(...off) < 0.1, `${Math.max(...off)} px of ${size[0]}`);
-  const clumsy = new URLSearchParams("error=1");
-  assert.deepEqual(boardPose([target], DEFAULT_BOARD, clumsy), boardPose([target], DEFAULT_BOARD, clumsy));
   assert.equal(boardPose([], DEFAULT_BOARD, parameters), null);
-  assert.equal(new Set([0, 1, 2, 3, 4, 5, 6, 7].map((position) => JSON.stringify(cameraPose(position)))).size, 8);
 });
 
 test("a board seen by any camera of the rig is found where it is", () => {
@@ -254,13 +220,6 @@ test("a board seen by any camera of the rig is found where it is", () => {
   const { distance, distanceStd, angle } = relationOf(extrinsics[1]);
   assert.ok(Math.abs(distance - Math.hypot(...cameraPose(1).tvec)) < 1e-12 && distanceStd > 0.01 && distanceStd < 0.03);
   assert.ok(angle > 9 && angle < 11);
-  const scene = sceneOf(calibrations, extrinsics, [found], DEFAULT_BOARD, 1);
-  assert.deepEqual(
-    scene.bodies.map(({ kind }) => kind),
-    ["floor", "board", "camera", "camera", "axis", "axis", "axis"],
-  );
-  const back = composePoses(invertPose(board), board);
-  assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
 });
 
 test("the halves of a stereo picture are named cameras", () => {

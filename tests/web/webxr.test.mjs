@@ -3,17 +3,12 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { projectionMatrix } from "../../web/sdk/pinhole.js";
 import { extend, matrixOf } from "../../web/webxr/extension.js";
+import { calibrationOf, cameraMatrix } from "./scenes.mjs";
 
-const PLAIN = {
+const PLAIN = calibrationOf([500, 505], [325, 238], {
   img_size: [640, 480],
-  camera_matrix: [
-    [500, 0, 325],
-    [0, 505, 238],
-    [0, 0, 1],
-  ],
-  distortion_model: "rectilinear",
   distortion_coefficients: [-0.25, 0.0625, 0, 0, 0],
-};
+});
 const FISHEYE = { ...PLAIN, distortion_model: "fisheye", distortion_coefficients: [-0.125, 0.5, 0, 0.25] };
 const MATRIX = [500, 0, 0, 0, 505, 0, 325, 238, 1];
 const NOTHING = [null, null, null];
@@ -71,18 +66,21 @@ function running(options = {}) {
       }),
     { global, ...options },
   );
-  return { global, session: new global.XRSession(), calls, again };
+  const answer = async (call, calibration) => {
+    calls[call].resolve(calibration);
+    await settled();
+  };
+  return { global, session: new global.XRSession(), calls, again, answer };
 }
 
 test("views are empty until the calibration arrives", async () => {
-  const { global, session, calls } = running();
+  const { global, session, calls, answer } = running();
   assert.deepEqual(look(global, session), NOTHING);
   assert.deepEqual(
     calls.map(({ model, size }) => [model, size]),
     [["rectilinear", null]],
   );
-  calls[0].resolve(PLAIN);
-  await settled();
+  await answer(0, PLAIN);
   const [view] = views(global, session);
   assert.deepEqual(say(view), [MATRIX, PLAIN.distortion_coefficients, "rectilinear"]);
   assert.ok(view.cameraMatrix instanceof Float32Array && view.distortionCoefficients instanceof Float32Array);
@@ -94,10 +92,9 @@ test("views are empty until the calibration arrives", async () => {
 });
 
 test("views are independent", async () => {
-  const { global, session, calls } = running();
+  const { global, session, answer } = running();
   const [early] = views(global, session);
-  calls[0].resolve(PLAIN);
-  await settled();
+  await answer(0, PLAIN);
   const [view] = views(global, session);
   view.cameraMatrix.fill(0);
   session.end();
@@ -107,7 +104,7 @@ test("views are independent", async () => {
 });
 
 test("another model is requested once, stale answers are dropped", async () => {
-  const { global, session, calls } = running();
+  const { global, session, calls, answer } = running();
   look(global, session);
   session.updateRenderState({ distortionModel: "fisheye", depthNear: 2 });
   session.updateRenderState({ distortionModel: "fisheye" });
@@ -117,10 +114,8 @@ test("another model is requested once, stale answers are dropped", async () => {
     calls.map(({ model }) => model),
     ["rectilinear", "fisheye"],
   );
-  calls[1].resolve(FISHEYE);
-  await settled();
-  calls[0].resolve(PLAIN);
-  await settled();
+  await answer(1, FISHEYE);
+  await answer(0, PLAIN);
   assert.deepEqual(look(global, session), [MATRIX, FISHEYE.distortion_coefficients, "fisheye"]);
 });
 
@@ -151,27 +146,17 @@ test("unknown models are a TypeError and change nothing", () => {
 
 test("an error leaves the views as they were until a retry", async () => {
   const told = [];
-  const { global, session, calls, again } = running({ onError: (error) => told.push(error.message) });
+  const { global, session, calls, again, answer } = running({ onError: (error) => told.push(error.message) });
   look(global, session);
   calls[0].reject(new Error("no network"));
   await settled();
   assert.deepEqual(look(global, session), NOTHING);
   session.updateRenderState({ distortionModel: "rectilinear" });
-  calls[1].resolve(PLAIN);
-  await settled();
+  await answer(1, PLAIN);
   void again(session);
-  calls[2].resolve({ ...PLAIN, distortion_coefficients: [0.1] });
-  await settled();
+  await answer(2, { ...PLAIN, distortion_coefficients: [0.1] });
   void again(session);
-  calls[3].resolve({
-    ...PLAIN,
-    camera_matrix: [
-      [NaN, 0, 1],
-      [0, 1, 1],
-      [0, 0, 1],
-    ],
-  });
-  await settled();
+  await answer(3, { ...PLAIN, camera_matrix: cameraMatrix([NaN], [1, 1]) });
   assert.deepEqual(told, [
     "no network",
     "the provider's calibration is incomplete",
@@ -195,14 +180,13 @@ test("a provider that throws at once is like one that rejects", async () => {
 });
 
 test("two sessions have a model each", async () => {
-  const { global, session, calls, again } = running();
+  const { global, session, calls, again, answer } = running();
   const other = new global.XRSession();
   other.updateRenderState({ distortionModel: "fisheye" });
   look(global, session);
   look(global, other);
-  calls[0].resolve(PLAIN);
-  calls[1].resolve(FISHEYE);
-  await settled();
+  await answer(0, PLAIN);
+  await answer(1, FISHEYE);
   assert.deepEqual([look(global, session)[2], look(global, other)[2]], ["rectilinear", "fisheye"]);
   other.end();
   assert.throws(() => other.updateRenderState({ distortionModel: "rational" }), { name: "InvalidStateError" });
@@ -212,18 +196,16 @@ test("two sessions have a model each", async () => {
     [session],
   );
   session.end();
-  calls[2].resolve(FISHEYE);
-  await settled();
+  await answer(2, FISHEYE);
   assert.deepEqual(look(global, session)[2], "rectilinear");
 });
 
 test("a camera that is no longer known loses its calibration", async () => {
-  const { global, session, calls, again } = running();
+  const { global, session, again, answer } = running();
   look(global, session);
-  calls[0].resolve(PLAIN);
-  await settled();
+  await answer(0, PLAIN);
   const asked = again();
-  calls[1].resolve(null);
+  await answer(1, null);
   await asked;
   assert.deepEqual(look(global, session), NOTHING);
 });
@@ -248,33 +230,24 @@ test("a second call changes the provider and wraps nothing twice", async () => {
 });
 
 test("two eyes are two cameras", async () => {
-  const { global, session, calls } = running({ holds: ({ img_size: [width] }) => width === 640 });
+  const holds = ({ img_size: [width] }) => width === 640;
+  const { global, session, answer } = running({ holds });
   session.seen = [{ eye: "left" }, { eye: "right" }, { eye: "none" }];
   look(global, session);
-  calls[0].resolve({ left: PLAIN, right: FISHEYE });
-  await settled();
-  assert.deepEqual(
-    views(global, session).map((view) => view.distortionModel),
-    ["rectilinear", "fisheye", "rectilinear"],
-  );
+  await answer(0, { left: PLAIN, right: FISHEYE });
+  const models = (of) => views(global, of).map((view) => view.distortionModel);
+  assert.deepEqual(models(session), ["rectilinear", "fisheye", "rectilinear"]);
   const errors = [];
   for (const answer of [
     { left: PLAIN, right: null },
     { left: PLAIN, right: { ...FISHEYE, img_size: [1280, 960] } },
   ]) {
-    extend(async () => answer, {
-      global,
-      holds: ({ img_size: [width] }) => width === 640,
-      onError: (error) => errors.push(error),
-    });
+    extend(async () => answer, { global, holds, onError: (error) => errors.push(error) });
     const next = new global.XRSession();
     next.seen = session.seen;
     look(global, next);
     await settled();
-    assert.deepEqual(
-      views(global, next).map((view) => view.distortionModel),
-      ["rectilinear", null, "rectilinear"],
-    );
+    assert.deepEqual(models(next), ["rectilinear", null, "rectilinear"]);
   }
   assert.deepEqual(errors, []);
 });
@@ -288,7 +261,7 @@ test("the formula of raw camera access takes projection matrices back", () => {
 });
 
 test("raw camera access gives the matrix that the service lacks", async () => {
-  const { global, session, calls } = running();
+  const { global, session, calls, answer } = running();
   const shown = (pinhole) => [
     {
       camera: { width: pinhole.img_size[0], height: pinhole.img_size[1] },
@@ -298,15 +271,7 @@ test("raw camera access gives the matrix that the service lacks", async () => {
   ];
   const near = (found, wanted) =>
     found.forEach((value, n) => assert.ok(Math.abs(value - wanted[n]) < 1e-4, `${found} is not ${wanted}`));
-  const device = {
-    img_size: [640, 480],
-    camera_matrix: [
-      [498, 0, 321],
-      [0, 498, 241],
-      [0, 0, 1],
-    ],
-  };
-  session.seen = shown(device);
+  session.seen = shown(calibrationOf([498], [321, 241], { img_size: [640, 480] }));
   const [k, ...distortion] = look(global, session);
   near(k, [498, 0, 0, 0, 498, 0, 321, 241, 1]);
   assert.deepEqual(distortion, [null, null]);
@@ -315,22 +280,14 @@ test("raw camera access gives the matrix that the service lacks", async () => {
     calls.map(({ size }) => size),
     [[640, 480]],
   );
-  calls[0].resolve(PLAIN);
-  await settled();
+  await answer(0, PLAIN);
   assert.deepEqual(
     look(global, session),
     [MATRIX, PLAIN.distortion_coefficients, "rectilinear"],
     "the service's comes first",
   );
   // The phone is turned: what is known is of another picture.
-  session.seen = shown({
-    img_size: [480, 640],
-    camera_matrix: [
-      [498, 0, 238],
-      [0, 498, 321],
-      [0, 0, 1],
-    ],
-  });
+  session.seen = shown(calibrationOf([498], [238, 321], { img_size: [480, 640] }));
   near(look(global, session)[0], [498, 0, 0, 0, 498, 0, 238, 321, 1]);
   assert.deepEqual(
     calls.map(({ size }) => size),
@@ -339,8 +296,7 @@ test("raw camera access gives the matrix that the service lacks", async () => {
       [480, 640],
     ],
   );
-  calls[1].resolve(null);
-  await settled();
+  await answer(1, null);
   near(look(global, session)[0], [498, 0, 0, 0, 498, 0, 238, 321, 1]);
   assert.equal(calls.length, 2);
 });

@@ -6,11 +6,28 @@
         "HD Pro Webcam C920 (046d:082d)", platform="X11; Linux x86_64", size=(1280, 720)
     )
 
-A name is imported when it is first used: the import itself loads neither numpy, nor OpenCV, nor a network.
+Other names than errors are imported when they are first used: the import itself loads neither numpy, nor
+OpenCV, nor a network.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from .errors import (
+    CalibDBError,
+    CameraError,
+    CaptureError,
+    ConflictError,
+    CredentialError,
+    MissingPackageError,
+    NotFoundError,
+    ProblemError,
+    QuotaError,
+    ServiceUnavailableError,
+    UsageError,
+)
+from .files import ExportedFile
+from .key import CameraKey
 
 if TYPE_CHECKING:
     from . import offline
@@ -21,55 +38,25 @@ if TYPE_CHECKING:
     from .capture.operation import CaptureInterruptedError
     from .checks import CheckResult
     from .client import Client
-    from .errors import (
-        CalibDBError,
-        CameraError,
-        CaptureError,
-        ConflictError,
-        CredentialError,
-        MissingPackageError,
-        NotFoundError,
-        ProblemError,
-        QuotaError,
-        ServiceUnavailableError,
-        UsageError,
-    )
-    from .files import ExportedFile
-    from .key import CameraKey
     from .recording import Recording
     from .rig import Rig
     from .session import CaptureResult
 
 __version__ = "0.1.0"
 
-_MODULES = {
-    "Answer": "calibration",
-    "AsyncClient": "aio",
-    "Board": "board",
-    "CalibDBError": "errors",
-    "Calibration": "calibration",
-    "Camera": "camera",
-    "CameraError": "errors",
-    "CaptureError": "errors",
-    "CameraKey": "key",
-    "CaptureInterruptedError": "capture.operation",
-    "CheckResult": "checks",
-    "CaptureResult": "session",
-    "Client": "client",
-    "ConflictError": "errors",
-    "CredentialError": "errors",
-    "Estimate": "calibration",
-    "ExportedFile": "files",
-    "MissingPackageError": "errors",
-    "NotFoundError": "errors",
-    "ProblemError": "errors",
-    "QuotaError": "errors",
-    "Recording": "recording",
-    "Rig": "rig",
-    "ServiceUnavailableError": "errors",
-    "UsageError": "errors",
-    "open_camera": "camera",
+_NAMES = {
+    "aio": ("AsyncClient",),
+    "board": ("Board",),
+    "calibration": ("Answer", "Calibration", "Estimate"),
+    "camera": ("Camera", "open_camera"),
+    "capture.operation": ("CaptureInterruptedError",),
+    "checks": ("CheckResult",),
+    "client": ("Client",),
+    "recording": ("Recording",),
+    "rig": ("Rig",),
+    "session": ("CaptureResult",),
 }
+"""Names by module."""
 
 __all__ = [
     "Answer",
@@ -106,6 +93,7 @@ def __getattr__(name: str) -> Any:
     """Import the module of a public name."""
     if name == "offline":
         return import_module(".offline", __name__)
-    if name in _MODULES:
-        return getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    for module, names in _NAMES.items():
+        if name in names:
+            return getattr(import_module(f".{module}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

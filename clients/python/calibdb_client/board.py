@@ -17,6 +17,7 @@ __all__ = ["APRILTAGS", "DICTIONARIES", "KINDS", "MIN_CORNERS", "Board", "opencv
 APRILTAGS = tuple(name for name in DICTIONARIES if name.startswith("DICT_APRILTAG_"))
 DEFAULT_DICTIONARY = "DICT_4X4_50"
 DEFAULT_TAGS = "DICT_APRILTAG_36h11"
+DESCRIBE_IT = "describe it by --kind, --squares, --marker-ratio and --dictionary"
 MAX_SIDE = 50
 """Squares, or tags, along a side of a board that the service takes."""
 MIN_MARKER_RATIO = 0.3

@@ -16,7 +16,7 @@ from calibsolver import undistortion
 from calibsolver.arrays import Array
 
 from .errors import MissingPackageError, UsageError
-from .files import UNCHANGED, ExportedFile, PictureChange, read_whole, write_whole
+from .files import UNCHANGED, ExportedFile, PictureChange, read_object, write_whole
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -106,12 +106,8 @@ class Calibration(CameraRecord):
 
         Raises UsageError for any other file.
         """
-        content = read_whole(Path(path))
-        try:
-            record = json.loads(content)
-        except (ValueError, RecursionError):
-            record = None
-        if isinstance(record, dict) and {"distortion_model", "camera_matrix", "img_size"} <= record.keys():
+        record = read_object(Path(path)) or {}
+        if {"distortion_model", "camera_matrix", "img_size"} <= record.keys():
             from .recording import Recording
 
             recording = Recording.of(record) if "recording" in record else None

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
-    from .rig_pictures import RigResult
 
 
 P = ParamSpec("P")
@@ -267,11 +266,14 @@ class Client(Service):
         Raises CameraError, CaptureError, and CaptureInterruptedError on Ctrl-C; their `recording` is what was
         captured.
         """
+        from .capture.guide import ServiceGuide
         from .capture.operation import prepare
 
-        consent, keep = session.consent_of(licence, mode_name), keep or ignore
-        operation = prepare(camera, **options)
-        return (yield from operation.by_service(live_model(model), keep, self._calibration, consent))
+        consent = session.consent_of(licence, mode_name)
+        guide = functools.partial(
+            ServiceGuide, model=live_model(model), make=self._calibration, consent=consent
+        )
+        return (yield from prepare(camera, **options).run(guide, keep or ignore))
 
     @driven
     def check(
@@ -343,19 +345,6 @@ class Client(Service):
         consent = session.consent_of(licence, mode_name)
         recording = recording_of(paths, camera, board, platform, zoom)
         return (yield from session.submit(recording, model, self._calibration, consent=consent))
-
-    def calibrate_rig(
-        self,
-        folders: Sequence[str | Path],
-        *,
-        board: Board | None = None,
-        model: str = AUTO,
-        square_size: float | None = None,
-    ) -> RigResult:
-        """Calibrate a rig on this machine; nothing is sent. Parameters as of `offline.calibrate_rig`."""
-        from .rig_pictures import calibrate_rig
-
-        return calibrate_rig(folders, board=board, model=model, square_size=square_size)
 
     def _calibration(self, record: Mapping[str, Any]) -> Calibration:
         return Calibration(record, self.export)

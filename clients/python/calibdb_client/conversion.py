@@ -132,10 +132,7 @@ def read(path: str | Path, options: ReaderOptions = ReaderOptions()) -> dict[str
         raise UsageError(f"{path} has corners and no calibration: calibrate from its pictures")
     record: dict[str, Any] = {
         "camera": " ".join(imported.name.split()) or Path(path).stem,
-        "img_size": list(camera.img_size),
-        "camera_matrix": camera.matrix.tolist(),
-        "distortion_coefficients": camera.distortion.tolist(),
-        "distortion_model": camera.model,
+        **camera.record(),
     }
     if imported.error:
         record["approximation"] = f"the closest {camera.model} camera, up to {imported.error:.2f} px off"

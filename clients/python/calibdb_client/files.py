@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
 
@@ -37,6 +38,15 @@ def read_whole(path: Path) -> bytes:
     if len(content) > MAX_BYTES:
         raise UsageError(f"{path} is larger than {MAX_BYTES >> 20} MB")
     return content
+
+
+def read_object(path: Path) -> dict[str, Any] | None:
+    """Read a JSON object; None if the file contains anything else. Raises as `read_whole` does."""
+    try:
+        value = json.loads(read_whole(path))
+    except (ValueError, RecursionError):
+        return None
+    return value if isinstance(value, dict) else None
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,10 +39,11 @@ def calibrate(
     **options: Unpack[CaptureOptions],
 ) -> CaptureResult:
     """Calibrate a camera live, guided by calibsolver. Parameters and errors as of `Client.calibrate`."""
+    from .capture.guide import OfflineGuide
     from .capture.operation import prepare
 
     operation = prepare(camera, named=False, **options)
-    return _run(operation.offline(model, keep or ignore))
+    return _run(operation.run(partial(OfflineGuide, model=model), keep or ignore))
 
 
 def calibrate_images(

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .board import Board
+from .board import DESCRIBE_IT, Board
 from .detection import Detector, recognise
 from .detection.recognition import MAX_LOOKED_AT
 from .errors import CaptureError, UsageError
@@ -77,9 +77,8 @@ class FoundViews:
         if self.unreadable and not self.empty:
             return "none of the files can be read as a picture: give JPEG, PNG, TIFF or WebP files"
         return (
-            "the board was detected in none of the pictures: describe it by --kind, --squares, "
-            "--marker-ratio and --dictionary, of an AprilGrid --tag-spacing, and --legacy if OpenCV before "
-            "4.6 drew it"
+            f"the board was detected in none of the pictures: {DESCRIBE_IT}, of an AprilGrid --tag-spacing, "
+            "and --legacy if OpenCV before 4.6 drew it"
         )
 
 
@@ -176,8 +175,8 @@ def recognise_board(paths: Sequence[Path], mirrored: bool = False) -> Board:
         if board is not None:
             return board
     raise CaptureError(
-        "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "
-        "--dictionary, and an AprilGrid, of which pictures may disagree, by --tag-spacing"
+        f"no board was recognised in the pictures: {DESCRIBE_IT}, and an AprilGrid, of which pictures may "
+        "disagree, by --tag-spacing"
     )
 
 

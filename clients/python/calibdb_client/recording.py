@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from .board import Board
 from .errors import UsageError
-from .files import read_whole, write_whole
+from .files import read_object, write_whole
 from .key import CameraKey
 
 if TYPE_CHECKING:
@@ -63,11 +63,9 @@ class Recording:
     def load(cls, path: str | Path) -> Recording:
         """Read a file that `save` wrote. Raises UsageError for any other file."""
         try:
-            return cls.of(json.loads(read_whole(Path(path))))
+            return cls.of(read_object(Path(path)) or {})
         except UsageError as error:
             raise UsageError(f"{path}: {error}") from None
-        except (ValueError, RecursionError):
-            raise UsageError(f"{path} does not contain a recording of calibdb") from None
 
     @classmethod
     def of(cls, content: Mapping[str, Any]) -> Recording:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,31 +29,23 @@ _STYLE = (
 )
 
 
-@dataclass(frozen=True)
-class PictureRow:
-    """Row of one picture: corners, those that took part in the fit, px rms of these (NaN if none did).
+def rows_of(
+    recording: Recording, fit: Fit, left_out: Iterable[tuple[str, str]] = ()
+) -> list[tuple[str, ...]]:
+    """Return a row of each picture of a recording, under a fit of its views.
 
-    `remark`: reason for which it is left out, or "".
+    Name, corners, those that took part in the fit, px rms of these (nan if none did), and why it is left out.
     """
-
-    source: str
-    corners: int
-    used: int
-    rms: float
-    remark: str = ""
-
-
-def rows_of(recording: Recording, fit: Fit) -> list[PictureRow]:
-    """Return a row of each picture of a recording, under a fit of its views."""
     from .session import refusal
 
-    rows = []
+    rows: list[tuple[str, ...]] = []
+    known = dict(left_out)
     lengths = [np.linalg.norm(vectors, axis=1) for vectors in fit.residuals]
     for n, (view, length, used) in enumerate(zip(recording.views, lengths, fit.used, strict=True)):
         counted = length[used]
         rms = float(np.sqrt(np.mean(counted**2))) if len(counted) else float("nan")
-        why = fit.cut_views.get(n)
-        rows.append(PictureRow(view.source, len(view.ids), int(used.sum()), rms, refusal(why) if why else ""))
+        why = known.get(view.source, refusal(fit.cut_views[n]) if n in fit.cut_views else "")
+        rows.append((view.source, str(len(view.ids)), str(used.sum()), f"{rms:.3f}", why))
     return rows
 
 
@@ -123,7 +114,7 @@ def _page(
     title: str,
     calibration: Calibration,
     fit: Fit,
-    rows: Sequence[PictureRow],
+    rows: Sequence[tuple[str, ...]],
     png: bytes,
     board: str | None,
 ) -> str:
@@ -135,18 +126,11 @@ def _page(
     names = ("fx", "fy", "cx", "cy", *models.get(fit.camera.model).coefficients)
     deviations = np.sqrt(np.diagonal(fit.covariance))
     values = [
-        f"<tr><td>{name}</td><td>{value:.6g}</td><td>± {sigma:.2g}</td></tr>"
+        _row(name, f"{value:.6g}", f"± {sigma:.2g}")
         for name, value, sigma in zip(names, fit.camera.intrinsics, deviations, strict=True)
     ]
-    pictures = [
-        f"<tr><td>{html.escape(row.source)}</td><td>{row.corners}</td><td>{row.used}</td>"
-        f"<td>{row.rms:.3f}</td><td>{html.escape(row.remark)}</td></tr>"
-        for row in rows
-    ]
-    facts = "".join(
-        f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
-        for name, value in calibration_facts(calibration.record)
-    )
+    pictures = [_row(*row) for row in rows]
+    facts = "".join(_row(*fact) for fact in calibration_facts(calibration.record))
     image = base64.b64encode(png).decode()
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>'
@@ -159,3 +143,8 @@ def _page(
         f"<h2>Pictures</h2><table><tr><th>picture</th><th>corners</th><th>used</th><th>rms, px</th>"
         f"<th></th></tr>{''.join(pictures)}</table></html>\n"
     )
+
+
+def _row(*cells: str) -> str:
+    """Return a row of a table."""
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"

@@ -16,7 +16,7 @@ from calibsolver.arrays import Array
 
 from .calibration import Calibration, Exporter
 from .errors import UsageError
-from .files import ExportedFile, read_whole, write_whole
+from .files import ExportedFile, read_object, write_whole
 
 _JSON = "json"
 
@@ -49,11 +49,8 @@ class Rig:
     @classmethod
     def load(cls, path: str | Path) -> Rig:
         """Read a JSON file that `save` wrote. Raises UsageError for any other file."""
-        try:
-            record = json.loads(read_whole(Path(path)))
-        except (ValueError, RecursionError) as error:
-            raise UsageError(f"{path} cannot be read as a rig: {error}") from None
-        if not isinstance(record, dict):
+        record = read_object(Path(path))
+        if record is None:
             raise UsageError(f"{path} is not a rig")
         return cls(record)
 
@@ -167,8 +164,4 @@ class Rig:
 
 def is_rig(path: Path) -> bool:
     """Return True if a file is a rig that `Rig.save` wrote."""
-    try:
-        content = json.loads(read_whole(path))
-    except (ValueError, RecursionError):
-        return False
-    return isinstance(content, dict) and "extrinsics" in content
+    return "extrinsics" in (read_object(path) or {})

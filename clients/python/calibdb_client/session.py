@@ -48,13 +48,8 @@ class CaptureResult:
     suggested_model: str | None = None
     verdict: tuple[str, ...] = ()
 
-    @property
-    def board(self) -> str | None:
-        """Sentence on the bend and the print of the board; None if it was taken as drawn."""
-        return self.board_sentence()
-
     def board_sentence(self, square_mm: float | None = None) -> str | None:
-        """Return the sentence `board`, in millimetres if the side of a square is given."""
+        """Return the sentence `Board.shape_sentence`."""
         recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
         if recording is None:
             return Board().shape_sentence(shape, None)

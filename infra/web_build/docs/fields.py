@@ -2,12 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from html import escape
 from typing import Any
 
 from infra.web_build import openapi
-from infra.web_build.docs.markdown import inline
-from infra.web_build.operation import Node
+from infra.web_build.operation import JSON, Node
 
 _SCHEMA_PREFIX = "#/components/schemas/"
 _MAX_MEMBER_DEPTH = 3  # of members within members
@@ -42,19 +40,19 @@ def rows(schema: Node, prefix: str = "", depth: int = 0) -> Iterator[Row]:
             yield from rows(inner, f"{prefix}{name}{mark}.", depth + 1)
 
 
-def table(rows: list[Row], *, with_required: bool) -> str:
-    """Make a table of fields."""
-    head = '<th scope="col">Field</th><th scope="col">Type</th><th scope="col">Meaning</th>'
-    required = ' <span class="required">required</span>' if with_required else ""
-    lines = [
-        f'<tr><th scope="row"><code>{escape(row.name)}</code>{required if row.required else ""}</th>'
-        f"<td>{escape(row.kind)}</td><td>{inline(row.text)}</td></tr>"
-        for row in rows
+def parameter_rows(operation: Node) -> list[Row]:
+    """Return the parameters of an operation, without deprecated ones."""
+    return [
+        Row(each["name"], kind(each["schema"]), each.get("required", False), each["description"])
+        for each in operation.get("parameters", ())
+        if not each.get("deprecated")
     ]
-    return (
-        f'<div class="wide"><table class="fields-table"><thead><tr>{head}</tr></thead>'
-        f"<tbody>{''.join(lines)}</tbody></table></div>\n"
-    )
+
+
+def body_rows(operation: Node) -> list[Row]:
+    """Return the fields of an operation's request."""
+    content = operation.get("requestBody", {}).get("content", {})
+    return list(rows(content[JSON]["schema"])) if content else []
 
 
 def _resolve(node: Node) -> Node:

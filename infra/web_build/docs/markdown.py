@@ -28,19 +28,11 @@ _LANGUAGES = ("sh", "js", "html", "python", "json", "webidl")
 _PLAIN_SPAN = re.compile(r'<span class="(?:w|n|nx|o|p|err)">([^<]*)</span>')
 
 
-@dataclass(frozen=True)
-class Heading:
-    """Heading with its anchor."""
-
-    level: int
-    text: str
-    anchor: str
-
-
 @dataclass
 class Section:
-    """Text under one heading, for the search. The first has the document's title and no anchor."""
+    """Text under one heading, for contents and search. The first has the document's title, and no anchor."""
 
+    level: int
     title: str
     anchor: str
     text: list[str] = field(default_factory=list)
@@ -52,22 +44,21 @@ class Document:
 
     title: str
     html: str
-    headings: tuple[Heading, ...]
     sections: tuple[Section, ...]
 
 
 def render(source: str, link: Link) -> Document:
     """Render a document whose first heading is its title, which is left to the page."""
     tokens = _parser().parse(source)
-    headings, sections = _outline(tokens)
-    title = headings[0].text if headings and headings[0].level == 1 else ""
+    sections = _outline(tokens)
+    title = sections[0].title if sections and sections[0].level == 1 else ""
     if title:
         del tokens[:3]
     for token in tokens:
         _mend(token, link)
     renderer: Any = _Renderer()
     body = renderer.render(tokens, _parser().options, {})
-    return Document(title, body, tuple(each for each in headings if each.level > 1), tuple(sections))
+    return Document(title, body, tuple(sections))
 
 
 def _slug(text: str, taken: set[str]) -> str:
@@ -102,20 +93,18 @@ def _parser() -> MarkdownIt:
     return MarkdownIt("commonmark", {"html": True}).enable("table")
 
 
-def _outline(tokens: Sequence[Token]) -> tuple[list[Heading], list[Section]]:
-    headings: list[Heading] = []
+def _outline(tokens: Sequence[Token]) -> list[Section]:
     sections: list[Section] = []
     taken: set[str] = set()
     for index, token in enumerate(tokens):
         if token.type == "inline" and tokens[index - 1].type == "heading_open":
-            text = _plain(token)
-            heading = Heading(int(tokens[index - 1].tag[1]), text, _slug(text, taken))
-            headings.append(heading)
-            tokens[index - 1].attrSet("id", heading.anchor)
-            sections.append(Section(text, "" if heading.level == 1 else heading.anchor))
+            heading, text = tokens[index - 1], _plain(token)
+            anchor, level = _slug(text, taken), int(heading.tag[1])
+            heading.attrSet("id", anchor)
+            sections.append(Section(level, text, "" if level == 1 else anchor))
         elif token.type in {"inline", "fence"} and sections:
             sections[-1].text.append(_plain(token) if token.type == "inline" else token.content)
-    return headings, sections
+    return sections
 
 
 def _plain(token: Token) -> str:
@@ -180,10 +169,10 @@ class _Renderer(RendererHTML):
         return "</td>\n" if self._empty else "</th>\n"
 
 
-def inline(text: str) -> str:
-    """Render one line of Markdown, without links."""
+def inline(text: str, link: Link = lambda _: None) -> str:
+    """Render one line of Markdown, by default without links."""
     tokens = _parser().parseInline(text)
     for token in tokens:
-        _mend(token, lambda _: None)
+        _mend(token, link)
     renderer: Any = _Renderer()
     return str(renderer.render(tokens, _parser().options, {}))

@@ -8,7 +8,6 @@ nothing. TLS verifies the name. No redirect is followed and no cookie is kept.
 import http.client
 import io
 import ipaddress
-import select
 import socket
 import ssl
 import time
@@ -85,10 +84,8 @@ def read_proof(
             if not is_public(str(connection.getpeername()[0])):
                 raise ProofError("address")
             connection.settimeout(_seconds_left(deadline))
-            with trusted.wrap_socket(
-                connection, server_hostname=host, do_handshake_on_connect=False
-            ) as secured:
-                _shake_hands(secured, deadline)
+            # The time limit of a connection is that of its whole handshake.
+            with trusted.wrap_socket(connection, server_hostname=host) as secured:
                 secured.settimeout(_seconds_left(deadline))
                 secured.sendall(_request(host))
                 return _text(_receive(secured, deadline))
@@ -151,20 +148,6 @@ def _seconds_left(deadline: float) -> float:
     if left <= 0:
         raise ProofError("timeout")
     return left
-
-
-def _shake_hands(secured: ssl.SSLSocket, deadline: float) -> None:
-    """Shake hands before the deadline: single bytes restart every other time limit."""
-    secured.settimeout(0.0)
-    while True:
-        try:
-            secured.do_handshake()
-        except ssl.SSLWantReadError:
-            select.select([secured], [], [], _seconds_left(deadline))
-        except ssl.SSLWantWriteError:
-            select.select([], [secured], [], _seconds_left(deadline))
-        else:
-            return
 
 
 def _request(host: str) -> bytes:

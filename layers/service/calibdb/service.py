@@ -55,7 +55,6 @@ class Service:
     store: Store
     session_ids: SessionIds
     clock: Callable[[], float]
-    random_hex: Callable[[int], str]  # of so many bytes
     _tokens: TokenCache
     _plans: Mapping[str, Plan]
     aliases: AliasFilter = field(default_factory=AliasFilter, compare=False)
@@ -149,7 +148,6 @@ class Service:
         settings: Settings,
         store: Store,
         clock: Callable[[], float] = time.time,
-        random_hex: Callable[[int], str] = secrets.token_hex,
         token_ttl_s: float = TOKEN_TTL_S,
         plans: Mapping[str, Plan] | None = None,
         *,
@@ -161,7 +159,7 @@ class Service:
             store.tokens, store.quotas, clock, token_ttl_s, plans, in_background=in_background
         )
         writes = deque[Callable[[], None]]() if in_background else None
-        return cls(settings, store, ids, clock, random_hex, tokens, plans, _writes=writes)
+        return cls(settings, store, ids, clock, tokens, plans, _writes=writes)
 
     @property
     def now(self) -> int:
@@ -171,7 +169,7 @@ class Service:
     def ticket(self, token: ApiToken, origin: str | None) -> Ticket:
         """Ticket of a new session. Names of sessions sort by the time of their start."""
         return Ticket(
-            f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
+            f"{self.now:08x}{secrets.token_hex(8)}", token.id, origin if token.is_restricted else None
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:

@@ -20,6 +20,11 @@ def frozen(values: Any) -> Array:
     return array
 
 
+def subsample(count: int, max_count: int) -> IntArray:
+    """At most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
+    return np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64)
+
+
 def dot(one: Array, other: Array) -> float:
     """Sum of the products of the elements of two arrays of one shape."""
     return float(np.vdot(one, other))

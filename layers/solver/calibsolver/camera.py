@@ -67,6 +67,15 @@ class Camera:
             (w, h),
         )
 
+    def record(self) -> dict[str, Any]:
+        """Members of a calibration record that `from_record` reads."""
+        return {
+            "img_size": list(self.img_size),
+            "camera_matrix": self.matrix.tolist(),
+            "distortion_coefficients": self.distortion.tolist(),
+            "distortion_model": self.model,
+        }
+
     @property
     def intrinsics(self) -> Array:
         """(p,): fx fy cx cy, then the distortion."""

@@ -81,7 +81,13 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
     rows, _ = residual_rows(model, k, poses, obs)
     by_k, by_pose = (part.reshape(len(part), -1) for part in (rows[: model.size], rows[model.size : -1]))
     inverse = np.linalg.inv(by_pose @ by_pose.T)
-    sigma2 = noise**2 if noise is not None else _variance(camera, float(square[0]), 2 * len(view) - 6)
+    sum_of_squares, freedom = float(square[0]), 2 * len(view) - 6
+    if noise is not None:
+        sigma2 = noise**2
+    elif isinstance(camera, Calibration):
+        sigma2 = (sum_of_squares + PRIOR_FREEDOM * camera.noise**2) / (freedom + PRIOR_FREEDOM)
+    else:
+        sigma2 = sum_of_squares / freedom
     covariance = sigma2 * inverse
     if isinstance(camera, Calibration):
         by_camera = inverse @ by_pose @ by_k.T
@@ -93,10 +99,3 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
         float(np.sqrt(square[0] / len(view))),
         float(np.sqrt(sigma2)),
     )
-
-
-def _variance(camera: Camera | Calibration, square: float, freedom: int) -> float:
-    """Variance of one coordinate, px^2: of the residuals, pooled with that of the calibration."""
-    if not isinstance(camera, Calibration):
-        return square / freedom
-    return (square + PRIOR_FREEDOM * camera.noise**2) / (freedom + PRIOR_FREEDOM)

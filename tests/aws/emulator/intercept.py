@@ -7,7 +7,6 @@ containers for Lambda.
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
-from types import MappingProxyType
 
 from botocore.awsrequest import AWSPreparedRequest, AWSResponse
 from botocore.compat import HTTPHeaders
@@ -19,21 +18,6 @@ Service = Callable[[str, AWSPreparedRequest], Answer]
 """Operation and request to response."""
 
 
-class _Interceptor:
-    """The handler of every boto3 client of this process; inert unless services are set."""
-
-    services: Mapping[str, Service] = MappingProxyType({})
-
-    def __call__(self, event_name: str, request: AWSPreparedRequest, **_: object) -> AWSResponse | None:
-        service, operation = event_name.split(".")[1:3]
-        if service not in self.services:
-            return None
-        answer = self.services[service](operation, request)
-        return AWSResponse(
-            request.url, answer.status, HTTPHeaders.from_dict(dict(answer.headers)), _Raw(answer.body)
-        )
-
-
 class _Raw(BytesIO):
     """A response body as botocore reads it from urllib3."""
 
@@ -42,31 +26,41 @@ class _Raw(BytesIO):
             yield chunk
 
 
-_interceptor = _Interceptor()
+_services: dict[str, Service] = {}
+
+
+def _intercept(event_name: str, request: AWSPreparedRequest, **_: object) -> AWSResponse | None:
+    """Handle the requests of every boto3 client of this process; inert unless services are set."""
+    service, operation = event_name.split(".")[1:3]
+    if service not in _services:
+        return None
+    answer = _services[service](operation, request)
+    return AWSResponse(
+        request.url, answer.status, HTTPHeaders.from_dict(dict(answer.headers)), _Raw(answer.body)
+    )
+
+
 # Clients copy this list when they are made. A client made before this line would talk to AWS.
-BUILTIN_HANDLERS.append(("before-send", _interceptor))
+BUILTIN_HANDLERS.append(("before-send", _intercept))
 
 
 @contextmanager
 def intercepting(services: Mapping[str, Service]) -> Iterator[None]:
     """Respond to the requests of these services ("dynamodb", "s3", "lambda") until the end of the block."""
-    assert not _interceptor.services, "a local stack is running in this process already"
-    with _set(services):
+    assert not _services, "a local stack is running in this process already"
+    _services.update(services)
+    try:
         yield
+    finally:
+        _services.clear()
 
 
 @contextmanager
 def wrapping(wrap: Callable[[str, Service], Service]) -> Iterator[None]:
     """Replace each service of the running stack by `wrap(name, service)` until the end of the block."""
-    services = _interceptor.services
-    with _set({name: wrap(name, service) for name, service in services.items()}):
-        yield
-
-
-@contextmanager
-def _set(services: Mapping[str, Service]) -> Iterator[None]:
-    before, _interceptor.services = _interceptor.services, services
+    before = dict(_services)
+    _services.update({name: wrap(name, service) for name, service in before.items()})
     try:
         yield
     finally:
-        _interceptor.services = before
+        _services.update(before)

@@ -3,9 +3,10 @@
 import asyncio
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from typing import Self
 from unittest.mock import patch
 
@@ -20,20 +21,15 @@ from calibdb.store import Store
 from infra.server import secrets
 from infra.server.app import ORIGINS
 from infra.server.server import DEVELOPMENT_TOKEN, bind, serving
-from tests.aws.emulator.events import Request, Response, message
-from tests.aws.emulator.functions import Function
+from tests.aws.emulator.events import Request, message
+from tests.aws.emulator.functions import Function, Invokes
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from tests.aws.emulator.intercept import intercepting
 from tests.aws.emulator.intrinsics import REGION
-from tests.aws.emulator.invokes import Invokes
 from tests.aws.emulator.storage import Storage
 from tests.aws.emulator.template import load
+from tests.helpers.service.in_process import Response
 
-# Variables that would lead boto3 away from the storage of this process
-_MISLEADING = (
-    *(f"AWS_ENDPOINT_URL{service}" for service in ("", "_DYNAMODB", "_LAMBDA", "_S3")),
-    *("AWS_PROFILE", "AWS_SESSION_TOKEN"),
-)
 _LOCAL = {
     "AWS_ACCESS_KEY_ID": "local",
     "AWS_SECRET_ACCESS_KEY": "local",  # signs requests that never leave the process
@@ -43,26 +39,17 @@ _LOCAL = {
     "AWS_REGION": REGION,
     "AWS_DEFAULT_REGION": REGION,
 }
-# A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
-_THREADS = max(4, 2 * (os.cpu_count() or 1))
 
 
+@dataclass(eq=False)
 class LocalStack:
     """The template's functions, routes and storage while its block lasts. One at a time in a process.
 
-    `environment`: variables of the functions, over the template's. `retry_pauses`: as in `Invokes`.
-    `answers_preflights`: as in `Gateway`.
+    `environment`: variables of the functions, over the template's. `answers_preflights`: as in `Gateway`.
     """
 
-    def __init__(
-        self,
-        environment: Mapping[str, str] | None = None,
-        retry_pauses: Sequence[float] = (1.0, 2.0),
-        answers_preflights: bool = False,
-    ):
-        self._answers_preflights = answers_preflights
-        self._environment = environment or {}
-        self._retry_pauses = retry_pauses
+    environment: Mapping[str, str] = field(default_factory=dict)
+    answers_preflights: bool = False
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -75,8 +62,7 @@ class LocalStack:
 
     def _start(self, stack: ExitStack) -> None:
         self._listener = stack.enter_context(bind("127.0.0.1", 0))
-        self._port = self._listener.getsockname()[1]
-        self.url = f"http://127.0.0.1:{self._port}"
+        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         # One user is one contributor, and every capture and check counts.
         parameters = {
             "GuidanceUrl": f"{self.url}/calibrate/",
@@ -90,26 +76,25 @@ class LocalStack:
             "SECRETS_PATH": "",
             "SESSION_SECRETS": own.session,
             "CONTRIBUTOR_SECRET": own.contributor,
-            **self._environment,
+            **self.environment,
         }
-        stack.enter_context(patch.dict(os.environ, _LOCAL | self.environment))
-        for name in _MISLEADING:
-            os.environ.pop(name, None)
+        # Other variables of AWS would lead boto3 away from the storage of this process.
+        own_variables = {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
+        stack.enter_context(patch.dict(os.environ, own_variables | _LOCAL | self.environment, clear=True))
         Service.forget()
         stack.callback(Service.forget)
         self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
-        invokes = Invokes(self.functions, self._retry_pauses)
+        invokes = Invokes(self.functions)
         storage = Storage()
         services = {"dynamodb": storage.handle, "s3": storage.handle, "lambda": invokes.handle}
         stack.enter_context(intercepting(services))
         stack.callback(storage.empty)
         stack.callback(invokes.close)
         storage.create(self.template.tables, self.template.buckets)
-        self.failures = invokes.failures
         self.wait_until_idle = invokes.wait_until_idle
-        self.workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
+        self.workers = ThreadPoolExecutor(thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
-        self.gateway = Gateway(self.template, self.functions, self._answers_preflights)
+        self.gateway = Gateway(self.template, self.functions, self.answers_preflights)
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), ORIGINS, "development", int(time.time()))
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
@@ -132,7 +117,7 @@ class LocalStack:
 
     @contextmanager
     def serve(self) -> Iterator[str]:
-        """Serve the API on the loopback interface until the end of the block; yield the address."""
+        """Serve the API on the loopback interface until the end of the block, once; yield the address."""
 
         async def answer(scope: Scope, receive: Receive, send: Send) -> None:
             request = Request(
@@ -146,7 +131,5 @@ class LocalStack:
             response = await loop.run_in_executor(self.workers, self.gateway.handle, request)
             await WebResponse(response.body, response.status, dict(response.headers))(scope, receive, send)
 
-        if self._listener.fileno() == -1:  # an earlier block has closed it
-            self._listener = bind("127.0.0.1", self._port)
         with serving(answer, self._listener):
             yield self.url

@@ -25,8 +25,6 @@ class FunctionSpec:
     timeout: float  # s
     memory: int  # MB
     environment: Mapping[str, str]
-    retries: int  # of an asynchronous invocation that failed
-    has_failures: bool  # has a queue of invocations that failed every time
 
 
 @dataclass(frozen=True)
@@ -36,6 +34,11 @@ class RouteSpec:
     method: str
     path: str
     function: str
+
+    @property
+    def key(self) -> str:
+        """The `routeKey` of the event."""
+        return f"{self.method} {self.path}"
 
 
 @dataclass(frozen=True)
@@ -49,15 +52,11 @@ class Template:
     buckets: tuple[str, ...]
 
     def environment(self) -> dict[str, str]:
-        """Merge the variables of all functions, which share one process here.
-
-        Raises ValueError if two functions give one variable different values.
-        """
+        """Merge the variables of all functions, which share one process here."""
         union: dict[str, str] = {}
         for function in self.functions.values():
             for variable, value in function.environment.items():
-                if union.setdefault(variable, value) != value:
-                    raise ValueError(f"{function.name} and another function disagree about {variable}")
+                assert union.setdefault(variable, value) == value, (function.name, variable)
         return union
 
 
@@ -76,9 +75,7 @@ def load(parameters: Mapping[str, str]) -> Template:
         properties = resource.get("Properties", {})
         match resource["Type"]:
             case "AWS::Serverless::Function":
-                functions[name] = _function(
-                    name, _merge(document["Globals"]["Function"], properties), resolve
-                )
+                functions[name] = _function(name, document["Globals"]["Function"], properties, resolve)
                 routes += _routes(name, properties, resolve)
             case "AWS::Serverless::HttpApi":
                 cors = resolve(properties["CorsConfiguration"])
@@ -89,17 +86,17 @@ def load(parameters: Mapping[str, str]) -> Template:
     return Template(functions, tuple(routes), cors, tables, tuple(buckets))
 
 
-def _function(name: str, properties: Mapping[str, Any], resolve: Resolver) -> FunctionSpec:
-    variables = resolve(properties["Environment"]["Variables"])
-    later = properties.get("EventInvokeConfig", {})
+def _function(
+    name: str, shared: Mapping[str, Any], own: Mapping[str, Any], resolve: Resolver
+) -> FunctionSpec:
+    variables = shared["Environment"]["Variables"] | own.get("Environment", {}).get("Variables", {})
+    properties = {**shared, **own}
     return FunctionSpec(
         name=name,
         module=f"{properties['CodeUri'].strip('/').replace('/', '.')}.app",
         timeout=float(properties["Timeout"]),
         memory=int(properties["MemorySize"]),
-        environment={key: text(value) for key, value in variables.items()},
-        retries=int(later.get("MaximumRetryAttempts", 2)),
-        has_failures="OnFailure" in later.get("DestinationConfig", {}),
+        environment={key: text(value) for key, value in resolve(variables).items()},
     )
 
 
@@ -108,15 +105,3 @@ def _routes(function: str, properties: Mapping[str, Any], resolve: Resolver) -> 
         if event["Type"] == "HttpApi":
             route = resolve(event["Properties"])
             yield RouteSpec(route["Method"].upper(), route["Path"], function)
-
-
-def _merge(base: Any, own: Any) -> Any:
-    """Merge Globals into a resource as SAM does: maps merge, lists concatenate, the rest is replaced.
-
-    Source: AWS SAM developer guide, "Globals section of the AWS SAM template", overridable properties.
-    """
-    if isinstance(base, Mapping) and isinstance(own, Mapping):
-        return {**base, **{key: _merge(base[key], own[key]) if key in base else own[key] for key in own}}
-    if isinstance(base, list) and isinstance(own, list):
-        return base + own
-    return own

@@ -8,7 +8,7 @@ from typing import Any
 from playwright.sync_api import Page
 
 from ...browser.conftest import ROOT
-from ..rig_vectors import RIGS_PATH
+from ..vectors import recorded
 
 VIRTUAL = "calibDB virtual camera 8b0a5c1f"
 
@@ -37,8 +37,8 @@ def rig() -> dict[str, Any]:
 
 
 def rig_result() -> dict[str, Any]:
-    """Result of a rig of two cameras, the first pair of `rigs.json`."""
-    pair = json.loads(RIGS_PATH.read_text())[0]
+    """Result of a rig of two cameras, the first pair of the vectors."""
+    pair = recorded("pairs")[0]
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
     return {
         "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",

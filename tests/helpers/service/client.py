@@ -13,34 +13,11 @@ import numpy as np
 from infra.server.server import Server
 from infra.web_build.openapi import OPERATIONS
 from infra.web_build.operation import Operation
+from tests.helpers.service.in_process import Response as Answer
 from tests.helpers.service.in_process import request
 
 TOKEN = "cdb_dev_local"
 CAMERA = {"camera": "Test camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-
-
-@dataclass(frozen=True)
-class Answer:
-    status: int
-    headers: Mapping[str, str]
-    body: bytes
-
-    @property
-    def json(self) -> Any:
-        return json.loads(self.body)
-
-    @property
-    def kind(self) -> str:
-        return str(self.json["type"]).rpartition("#")[2]
-
-    @property
-    def problem(self) -> tuple[int, str]:
-        return self.status, self.kind
-
-    @property
-    def fields(self) -> list[str]:
-        assert self.status == 422, self
-        return [error["field"] for error in self.json["errors"]]
 
 
 def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
@@ -71,7 +48,7 @@ class Client:
     stack: Any
     session_id: str = ""
     api_token: str = TOKEN
-    address: str = ""  # where they are, to a stack whose EDGE_SECRETS is `EDGE`
+    address: str = ""  # where they are, to a server of this process
 
     def call(
         self,
@@ -89,20 +66,16 @@ class Client:
             wants_session = operation is None or "sessionId" in operation.credentials
             token = self.session_id if wants_session else self.api_token if operation.credentials else ""
         sent = dict(headers or {})
-        in_process = isinstance(self.stack, Server)
-        if self.address and not in_process:
-            sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
         if token:
             sent["authorization"] = f"Bearer {token}"
         content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
         if content:
             sent.setdefault("content-type", "application/json")
-        if in_process:
+        if isinstance(self.stack, Server):
             caller = self.address or "127.0.0.1"
-            response = request(self.stack, method, path, sent, query, content, client=caller)
+            answer = request(self.stack, method, path, sent, query, content, client=caller)
         else:
-            response = self.stack.request(method, path, headers=sent, query=query, body=content)
-        answer = Answer(response.status, response.headers, response.body)
+            answer = self.stack.request(method, path, headers=sent, query=query, body=content)
         promised = {*operation.answers, *operation.all_problems} if operation else {404, 405}
         assert answer.status in promised, (method, path, answer)
         if answer.status >= 400:

@@ -13,6 +13,13 @@ import pytest
 from infra.ops.__main__ import main
 
 
+class Terminal(StringIO):
+    """A stream that is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
 @dataclass
 class Printed:
     out: str

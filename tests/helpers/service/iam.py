@@ -4,22 +4,22 @@ import contextvars
 import fnmatch
 import functools
 import json
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pytest
 from botocore.client import BaseClient
 
-from infra.deploy.package import complete_template
 from tests.aws.emulator.functions import Function
 from tests.aws.emulator.intrinsics import ACCOUNT, REGION, Resolver
+from tests.helpers.data import ROOT
+from tests.helpers.sam import complete
 
-ROOT = Path(__file__).parents[3]
-_running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
+running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)
 # Operations that are granted under another name than their own.
 _ACTIONS = {"invoke": "InvokeFunction", "delete_objects": "DeleteObject", "transact_write_items": "PutItem"}
 
@@ -103,7 +103,7 @@ def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> It
 
 @functools.cache
 def template() -> tuple[Mapping[str, Any], Resolver]:
-    document = complete_template()
+    document = complete()
     defaults = {n: p.get("Default", "") for n, p in document["Parameters"].items()}
     return document, Resolver(defaults, document["Resources"])
 
@@ -118,7 +118,8 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
     machine = document["Resources"][name]["Properties"]
     named = {k: resolve(v) for k, v in machine["DefinitionSubstitutions"].items()}
     own = f"{ACCOUNT}:{{}}:{resolve(machine['Name'])}"
-    for state in _states(definition(machine)):
+    definition = json.loads((ROOT / machine["DefinitionUri"]).read_text())
+    for state in _states(definition):
         asked = {k: str(v).strip("${}") for k, v in state.get("Parameters", {}).items()}
         if "ItemReader" in state:
             listed_there = state["ItemReader"]["Parameters"]
@@ -134,10 +135,6 @@ def needs_of_machine(name: str) -> Iterator[Needed]:
             assert state["Resource"] == "arn:aws:states:::lambda:invoke", state
             function = named[asked["FunctionName"]]
             yield Needed("lambda:InvokeFunction", f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{function}")
-
-
-def definition(machine: Mapping[str, Any]) -> Any:
-    return json.loads((ROOT / machine["DefinitionUri"]).read_text())
 
 
 def _states(definition: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
@@ -188,41 +185,33 @@ def _attributes(asked: Mapping[str, Any]) -> Iterator[str]:
     yield from asked["ExpressionAttributeNames"].values()
 
 
-@dataclass
-class Recorder:
-    needed: set[tuple[str, Needed]]
+@contextmanager
+def recording() -> Iterator[Mapping[str, set[Needed]]]:
+    """Yield what functions ask of AWS within the block, by function."""
+    needed: defaultdict[str, set[Needed]] = defaultdict(set)
+    call = BaseClient._make_api_call
 
-    @contextmanager
-    def recording(self) -> Iterator[None]:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Function, "__call__", _named(Function.__call__))
-            patch.setattr(BaseClient, "_make_api_call", self._recorded(BaseClient._make_api_call))
-            patch.setattr(ThreadPoolExecutor, "submit", _inherited(ThreadPoolExecutor.submit))
-            yield
+    def recorded(client: Any, operation: str, asked: Mapping[str, Any]) -> Any:
+        who = running.get()
+        if who is not None:
+            name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
+            needed[who] |= set(needs(client.meta.service_model.service_name, name, asked))
+        return call(client, operation, asked)
 
-    def _recorded(self, call: Callable[..., Any]) -> Callable[..., Any]:
-        def recorded(client: Any, operation: str, asked: Mapping[str, Any]) -> Any:
-            who = _running.get()
-            if who is not None:
-                name = next(n for n, o in client.meta.method_to_api_mapping.items() if o == operation)
-                service = client.meta.service_model.service_name
-                self.needed |= {(who, one) for one in needs(service, name, asked)}
-            return call(client, operation, asked)
-
-        return recorded
-
-
-def running() -> str | None:
-    return _running.get()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Function, "__call__", _named(Function.__call__))
+        patch.setattr(BaseClient, "_make_api_call", recorded)
+        patch.setattr(ThreadPoolExecutor, "submit", _inherited(ThreadPoolExecutor.submit))
+        yield needed
 
 
 def _named(call: Callable[..., Any]) -> Callable[..., Any]:
     def named(function: Function, *arguments: Any) -> Any:
-        before = _running.set(function.spec.name)
+        before = running.set(function.spec.name)
         try:
             return call(function, *arguments)
         finally:
-            _running.reset(before)
+            running.reset(before)
 
     return named
 

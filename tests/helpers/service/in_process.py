@@ -1,6 +1,7 @@
 """Requests to a server of this process, without a socket."""
 
 import asyncio
+import json
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,6 +20,23 @@ class Response:
     status: int
     headers: Mapping[str, str]
     body: bytes
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.body)
+
+    @property
+    def kind(self) -> str:
+        return str(self.json["type"]).rpartition("#")[2]
+
+    @property
+    def problem(self) -> tuple[int, str]:
+        return self.status, self.kind
+
+    @property
+    def fields(self) -> list[str]:
+        assert self.status == 422, self
+        return [error["field"] for error in self.json["errors"]]
 
 
 def request(

@@ -10,7 +10,9 @@ from calibdb.schema import (
     Track,
     Uncertainty,
     ViewDocument,
+    VoteDocument,
 )
+from calibdb.store import StreamMode
 
 LINUX = "X11; Linux x86_64"
 C920 = "HD Pro Webcam C920 (046d:082d)"
@@ -109,3 +111,13 @@ def calibration(
         contributor=f"contributor {number}",
         time=time + number,
     )
+
+
+def vote(of: CalibrationDocument, **changes: object) -> VoteDocument:
+    """A vote on the views of a calibration, given without a licence."""
+    consent = {"licence": None, "licence_version": None}
+    return VoteDocument(**{**dict(of), **consent, "noise": 0.1, **changes})
+
+
+def mode_of(document: CalibrationDocument) -> StreamMode:
+    return StreamMode(document.camera_key, document.img_size, document.zoom)

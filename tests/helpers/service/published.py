@@ -7,16 +7,17 @@ from typing import Any
 
 import calibsolver
 from calibdb import schema
-from calibdb.camera_key import camera_key
 from calibdb.settings import Settings
 from calibdb.store import Store, StreamMode
 from calibsolver import Board, fit
 from infra.server.server import Server
+from tests.helpers.service import known
 from tests.helpers.service.client import Truth
+from tests.helpers.service.known import mode_of
 
 IMG_SIZE = (1280, 720)
 NOW = 1_700_000_000
-PLATFORM = "X11; Linux x86_64"
+PLATFORM = known.LINUX
 TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
 BOARD = Board()
 MODELS = ("rectilinear",)
@@ -55,13 +56,16 @@ def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list
     return [{"ids": ids, "points": points} for ids, points in held(truth, count, tilts)]
 
 
+def mirrored(view: dict[str, Any]) -> dict[str, Any]:
+    return {**view, "points": [[IMG_SIZE[0] - 1 - x, y] for x, y in view["points"]]}
+
+
 @functools.cache
-def fitted(
-    n: int, views: int, **truth: Any
-) -> tuple[tuple[tuple[list[int], list[list[float]]], ...], schema.FitRecord]:
-    seen = tuple(held(Truth(seed=n, **truth), views))
-    record = fit([BOARD.view(ids, points) for ids, points in seen], IMG_SIZE).record()
-    return seen, schema.FitRecord.model_validate(record)
+def fitted(n: int, count: int, **truth: Any) -> tuple[tuple[schema.ViewDocument, ...], schema.FitRecord]:
+    seen = views(Truth(seed=n, **truth), count)
+    record = fit([BOARD.view(**view) for view in seen], IMG_SIZE).record()
+    documents = (schema.ViewDocument(index=i, **view) for i, view in enumerate(seen))
+    return tuple(documents), schema.FitRecord.model_validate(record)
 
 
 @functools.lru_cache(maxsize=256)
@@ -75,33 +79,16 @@ def calibration(
     `truth`: what differs from the camera that `Truth` is.
     """
     seen, record = fitted(n, views, **truth)
-    key = camera_key(camera, PLATFORM)
+    made = known.calibration(camera, PLATFORM, of=record)
     name = hashlib.sha256(f"{camera}/{n}".encode()).hexdigest()[:12]
-    return schema.CalibrationDocument(
-        id=f"{key}-{begun + n:08x}{name}",
-        camera_key=key,
-        camera=camera,
-        platform=PLATFORM,
-        img_size=IMG_SIZE,
-        zoom=0.0,
-        distortion_model="rectilinear",
-        board=schema.Board(),
-        guidance="projection-uncertainty",
-        target_error=0.3,
-        track=schema.Track(),
-        views=tuple(
-            schema.ViewDocument(index=i, ids=tuple(ids), points=tuple((x, y) for x, y in points))
-            for i, (ids, points) in enumerate(seen)
-        ),
-        fits={"rectilinear": record},
-        solver=calibsolver.FIT_VERSION,
-        contributor=hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
-        time=begun + n + 60,
-    )
-
-
-def mode_of(document: schema.CalibrationDocument) -> StreamMode:
-    return StreamMode(document.camera_key, document.img_size, document.zoom)
+    update = {
+        "id": f"{made.camera_key}-{begun + n:08x}{name}",
+        "views": seen,
+        "solver": calibsolver.FIT_VERSION,
+        "contributor": hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
+        "time": begun + n + 60,
+    }
+    return made.model_copy(update=update)
 
 
 def asked(mode: StreamMode, *models: str) -> schema.RefitRequest:

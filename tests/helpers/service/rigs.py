@@ -54,18 +54,23 @@ class RigTruth:
         board = {"squares": list(self.squares), "dictionary": self.dictionary}
         return {**CAMERA, "camera": f"Rig camera {position}", "board": board, **self.start}
 
-    def open(self, **more: object) -> "RigTruth":
+    def lead(self, **more: object) -> "RigTruth":
+        """Begin the rig by its first camera."""
         leader = self.clients[0]
         assert leader.open(**self.request(0)).status == 201
         made = leader.call("POST", "/v1/rigs", {"cameras": self.count, **more})
         assert made.status == 201, made.body
         self.rig_id, self.join_code = made.json["rig_id"], made.json["join_code"]
+        return self
+
+    def open(self, **more: object) -> "RigTruth":
+        self.lead(**more)
         for position in range(1, self.count):
             joined = self.join(position)
             assert joined.status == 201, joined.body
         return self
 
-    def join(self, position: int, **rig: object) -> Answer:
+    def join(self, position: int, /, **rig: object) -> Answer:
         wanted = rig or {"code": self.join_code, "position": position}
         return self.clients[position].open(**self.request(position), rig=wanted)
 

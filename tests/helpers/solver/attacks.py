@@ -10,7 +10,6 @@ from calibsolver.consensus import Consensus, Member, Rule, difference, pool
 from tests.helpers.solver import populations, synthetic
 
 HONEST_VIEWS = 5
-RULE = Rule(min_contributors=3)
 MOVED = 0.5
 """px over the image, by which no lie may move a reliable answer."""
 KINDS = ("focal", "shift", "each", "junk")
@@ -74,7 +73,7 @@ def trial(
         return tuple(populations.views(vary(camera, variation, rng), rng, count=HONEST_VIEWS))
 
     def pooled(members: Sequence[Member]) -> Consensus:
-        return pool(members, camera.img_size, "rectilinear", RULE)
+        return pool(members, camera.img_size, "rectilinear", Rule(min_contributors=3))
 
     honest = [Member(f"h{i}", f"h{i}", specimen(rng)) for i in range(total - bad)]
     seen = lies(kind, camera, bad, variation, rng, effort or Effort(HONEST_VIEWS))

@@ -1,36 +1,16 @@
 """Other ways to capture, in the same world as `synthetic.run`: what guidance is measured against."""
 
-from typing import Any
-
 import numpy as np
 
 from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
-from calibsolver.fitting.normal_equations import Poses
-from calibsolver.guidance import (
-    IntrinsicsPosterior,
-    PoseSelection,
-    ProjectionUncertainty,
-    TargetPose,
-    candidates,
-)
+from calibsolver.guidance import IntrinsicsPosterior, PoseSelection, candidates
 from calibsolver.guidance.candidates import CornerGrid, PoseLimits
-from calibsolver.guidance.overlap import estimate_outline, jaccard_index
+from calibsolver.guidance.pose_selection import estimate_outline, jaccard_index
 from calibsolver.guidance.search import fisher_information
-from tests.helpers.solver.hands import STEADY, Hand
 from tests.helpers.solver.synthetic import Session, User, detect, match_picture
 
 MAX_ATTEMPTS = 8
 COMFORTABLE = PoseLimits(width=(0.30, 0.75), max_tilt_deg=45.0, min_visible=0.9)
-
-
-class Comfortable(ProjectionUncertainty):
-    """The default guidance for someone who holds the board at ease: not near, not steep, nearly all of it."""
-
-    def choose(
-        self, posterior: IntrinsicsPosterior, index: int, limits: PoseLimits, *others: Any, **named: Any
-    ) -> TargetPose:
-        del limits
-        return super().choose(posterior, index, COMFORTABLE, *others, **named)
 
 
 def run_published_method(camera: Camera, rng: np.random.Generator, noise: float = 0.2) -> Session:
@@ -59,54 +39,32 @@ def run_published_method(camera: Camera, rng: np.random.Generator, noise: float 
     return session
 
 
-def random_poses(
-    camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
-) -> Session:
+def random_poses(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
     """Someone who shows the board tilted here and there, all of it mostly."""
-    return _calibrated(camera, random_views(camera, rng, views, noise, hand))
-
-
-def random_views(
-    camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
-) -> list[View]:
-    board = Board()
-    unit = rng.uniform(size=(40 * views, 6))
-    return _seen(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise, hand)
+    return _calibrated(camera, rng.uniform(size=(40 * views, 6)), COMFORTABLE, rng, views, noise)
 
 
 def waving(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
     """Someone who waves the board before the camera: each view a little from the last."""
-    board = Board()
     steps = np.cumsum(0.04 * rng.normal(size=(40 * views, 6)), axis=0) + rng.uniform(0.3, 0.7, 6)
     unit = 1 - np.abs(steps % 2 - 1)  # reflected at the ends
-    poses = _possible(camera, board, unit, PoseLimits(width=(0.3, 0.75), max_tilt_deg=30.0))
-    return _calibrated(camera, _seen(camera, poses, rng, views, noise))
+    limits = PoseLimits(width=(0.3, 0.75), max_tilt_deg=30.0)
+    return _calibrated(camera, unit, limits, rng, views, noise)
 
 
-def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: PoseLimits) -> Poses:
+def _calibrated(
+    camera: Camera, unit: np.ndarray, limits: PoseLimits, rng: np.random.Generator, views: int, noise: float
+) -> Session:
+    """Fits to the first views, of those of points (n, 6) of the unit cube that respect the limits."""
+    board, session = Board(), Session()
     posterior = IntrinsicsPosterior.of(camera.model, camera.img_size, None, camera)
     poses = candidates.poses_from_unit_cube(unit, board, posterior.rays, limits)
     with np.errstate(all="ignore"):
         _, good = fisher_information(posterior, poses, CornerGrid.of(board, 5), limits)
-    return Poses(poses.r[good], poses.t[good])
-
-
-def _seen(
-    camera: Camera, poses: Poses, rng: np.random.Generator, views: int, noise: float, hand: Hand = STEADY
-) -> list[View]:
-    board = Board()
-    options: dict[str, Any] = {"hand": hand, "corners": hand.bend(board, rng), "whole_markers": False}
-    return [
-        detect(board, camera, rotation.vector(r), t, rng, noise, **options)
-        for r, t in zip(poses.r[:views], poses.t[:views], strict=True)
-    ]
-
-
-def _calibrated(camera: Camera, views: list[View]) -> Session:
-    session = Session()
-    for view in views:
+    for i in np.flatnonzero(good)[:views]:
         session.attempts += 1
-        session.views.append(view)
+        rvec = rotation.vector(poses.r[i])
+        session.views.append(detect(board, camera, rvec, poses.t[i], rng, noise, whole_markers=False))
         try:
             calibration = fit(session.views, camera.img_size, camera.model)
         except CalibrationError:

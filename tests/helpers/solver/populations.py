@@ -1,14 +1,18 @@
-"""Calibrations as they might come from many people: views of made-up and of published cameras."""
+"""Calibrations as they might come from many people: views of made-up and of published cameras.
+
+And how far predicted errors are from actual ones, by captures of cameras whose truth is known.
+"""
 
 import csv
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from calibsolver import Board, Camera, View, rotation
+from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
 from calibsolver.consensus import Member
 from tests.helpers.data import data_dir
 from tests.helpers.solver import synthetic
@@ -122,9 +126,62 @@ def profiles() -> dict[Mode, list[tuple[Camera, float]]]:
     return modes
 
 
+def member(name: str, camera: Camera, rng: np.random.Generator, **options: Any) -> Member:
+    """Calibration of a camera by a contributor of that name; options as of `views`."""
+    return Member(name, name, tuple(views(camera, rng, **options)))
+
+
 def members(cameras: Sequence[tuple[Camera, float]], rng: np.random.Generator) -> list[Member]:
     """One calibration each of cameras, with the noise that the rms px of its own calibration shows."""
-    return [
-        Member(str(i), str(i), tuple(views(camera, rng, rms / np.sqrt(2))))
-        for i, (camera, rms) in enumerate(cameras)
-    ]
+    return [member(str(i), camera, rng, noise=rms / np.sqrt(2)) for i, (camera, rms) in enumerate(cameras)]
+
+
+POPULATIONS = {
+    "rectilinear": synthetic.rectilinear_cameras,
+    "fisheye": synthetic.fisheye_cameras,
+    "rational": rational_cameras,
+    "omnidirectional": omnidirectional_cameras,
+}
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """Results of many captures, each of another camera.
+
+    `ratio` (s,): rms over the image of the projection error / of the predicted one. `z` (s, p): errors of the
+    intrinsics / their predicted deviations. `out_of_domain`: captures whose result lacks a ray for some pixel
+    that the camera has one for. `failed`: captures without a fit.
+    """
+
+    ratio: np.ndarray
+    z: np.ndarray
+    out_of_domain: int
+    failed: int
+
+    @property
+    def projection(self) -> float:
+        return float(np.sqrt(np.mean(self.ratio**2)))
+
+    @property
+    def coverage(self) -> np.ndarray:
+        """Share (p,) of the captures whose 95 % interval contains the true parameter."""
+        share: np.ndarray = np.mean(np.abs(self.z) < 1.959964, axis=0)
+        return share
+
+
+def measure(model: str, captures: int, count: int = 8) -> Intervals:
+    rng = np.random.default_rng(0)
+    ratio, z, out_of_domain, failed = [], [], 0, 0
+    for camera in POPULATIONS[model](captures):
+        try:
+            c = fit(views(camera, rng, count=count), camera.img_size, model)
+        except CalibrationError:
+            failed += 1
+            continue
+        predicted = c.projection_std().ravel()
+        error = synthetic.projection_error(camera, c.camera)
+        seen = np.isfinite(predicted) & (error < camera.img_size[0])
+        out_of_domain += not seen.all()
+        ratio.append(np.sqrt(np.mean(error[seen] ** 2) / np.mean(predicted[seen] ** 2)))
+        z.append((c.camera.intrinsics - camera.intrinsics) / np.sqrt(np.diag(c.covariance)))
+    return Intervals(np.array(ratio), np.array(z), out_of_domain, failed)

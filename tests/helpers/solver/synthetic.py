@@ -15,7 +15,6 @@ from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History, ViewDecision
 from calibsolver.fitting.initial_guess import plane_poses
-from calibsolver.guidance import ProjectionUncertainty
 from calibsolver.guidance.candidates import distance_to_border
 from calibsolver.guidance.target import TargetPose
 from tests.helpers.solver.hands import STEADY, Hand
@@ -79,6 +78,13 @@ def of_diagonal(model: str, d: np.ndarray, angle: float, rng: np.random.Generato
     return Camera(model, camera_matrix(np.hypot(*IMG_SIZE) / 2 / reach, rng), d, IMG_SIZE)
 
 
+def zoomed(camera: Camera, factor: float) -> Camera:
+    """The camera with `factor` times its focal lengths."""
+    k = camera.intrinsics
+    k[:2] *= factor
+    return Camera.from_intrinsics(camera.model, k, camera.img_size)
+
+
 def tilt_deg(board: Board, r: np.ndarray, tvec: np.ndarray) -> float:
     """Angle between the normal of a board and the line of sight to its middle."""
     center = r @ board.outline.mean(axis=0) + tvec
@@ -93,22 +99,20 @@ def detect(
     rng: np.random.Generator,
     noise: float = 0.2,
     wild: float = 0.0,
-    blur: float = 0.0,
     hand: Hand = STEADY,
     corners: np.ndarray | None = None,
     whole_markers: bool = True,
 ) -> View:
     """Corners as a detector reports them: Gaussian noise, a share `wild` 3 to 50 px off.
 
-    With `whole_markers` the image must also contain what identifies a corner (`Board.support`). With `blur`
-    the noise is 1 + blur times as large at a tilt of 45 degrees. `corners` (n, 3) are those of a bent board.
+    With `whole_markers` the image must also contain what identifies a corner (`Board.support`). `corners` (n,
+    3) are those of a bent board.
     """
     r = rotations.matrix(rvec)
     corners = board.points if corners is None else corners
     q = camera.project(corners @ r.T + tvec)
     if hand.readout_s:
         q = hand.project(corners, camera, rvec, tvec, rng)
-    noise = noise * (1 + blur * (tilt_deg(board, r, tvec) / 45) ** 2)
     inside = distance_to_border(q, camera.img_size) >= BORDER_PX
     if whole_markers:
         places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
@@ -238,10 +242,10 @@ class Session:
     mean: list[float] = field(default_factory=list)
     rms: list[float] = field(default_factory=list)
     predicted: list[float] = field(default_factory=list)
-    calibration_rms: list[float] = field(default_factory=list)
     stopped: int | None = None
     attempts: int = 0
     reasons: list[str] = field(default_factory=list)
+    targets: list[TargetPose] = field(default_factory=list)
     views: list[View] = field(default_factory=list)
     calibration: Calibration | None = None
 
@@ -255,8 +259,7 @@ class Session:
         error = projection_error(truth, calibration.camera)
         self.mean.append(float(error.mean()))
         self.rms.append(float(np.sqrt(np.mean(error**2))))
-        self.calibration_rms.append(calibration.uncertainty().rms)
-        self.predicted.append(self.calibration_rms[-1] if predicted is None else predicted)
+        self.predicted.append(calibration.uncertainty().rms if predicted is None else predicted)
 
 
 def run(
@@ -265,14 +268,12 @@ def run(
     board: Board | None = None,
     noise: float = 0.2,
     wild: float = 0.0,
-    blur: float = 0.0,
     user: User | None = None,
     views: int = 6,
     max_views: int = 0,
     capture: Capture | None = None,
-    guide: ProjectionUncertainty | Planned | None = None,
+    guide: Planned | None = None,
     max_attempts: int = 60,
-    hand: Hand = STEADY,
 ) -> Session:
     """One guided capture up to `views` accepted views, beyond its end, which is only noted.
 
@@ -284,7 +285,6 @@ def run(
     chooser = guide or capture.guide
     sitting = Sitting(capture)
     session = Session(views=sitting.views)
-    corners = hand.bend(board, rng)
     skipped: tuple[TargetPose, ...] = ()
     unreached: tuple[TargetPose, ...] = ()
     target: TargetPose | None = None
@@ -294,11 +294,12 @@ def run(
         session.attempts += 1
         calibration = sitting.estimate.calibration
         target = target or chooser.next_pose(sitting.used, calibration, (), unreached)
+        session.targets.append(target)
         # A plan that does not adapt is drawn with the camera that it was made for.
         drawn = capture.camera(None if isinstance(chooser, Planned) else sitting.estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
-        view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
+        view = detect(board, camera, rvec, tvec, rng, noise, wild)
         decision = sitting.offer(target, view)
         if decision.estimate is None:
             session.reasons.append(str(decision.reason))

@@ -1,1 +1,1 @@
-"""Helpers around the local stack: processes, faults, a toy deployment."""
+"""Helpers around a server: processes, and an emulated gateway."""

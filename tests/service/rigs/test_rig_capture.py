@@ -2,18 +2,22 @@
 
 import io
 import json
+import re
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
-from calibdb.schema.rig import RIG_FORMATS
+from calibdb_client import Client as PythonClient
+from calibdb_client import NotFoundError
 from calibsolver import rotation
 from calibsolver.rig.start import RigidMotion
 from infra.server.server import Server
+from tests.helpers.node import run_module
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.rigs import RigTruth
 
@@ -82,19 +86,59 @@ def test_finish_again_is_answered_again(finished: tuple[RigTruth, Any]) -> None:
     assert rig.call("POST", "/moments", {"moment": "late"}).problem == (409, "rig-finished")
 
 
-@pytest.mark.parametrize("name", RIG_FORMATS)
-def test_every_format_is_answered(finished: tuple[RigTruth, Any], name: str) -> None:
+READ = """
+import { LookupError, rig } from "./web/sdk/calibdb.js";
+import { rectify } from "./web/sdk/stereo.js";
+
+const [url, id, token] = process.argv.slice(1);
+const options = { token, api: `${url}/v1`, retries: 0 };
+const found = await rig(id, options);
+const [left, right] = found.calibrations;
+const refusals = [];
+const note = (error) => refusals.push([error instanceof LookupError, error.status, error.message]);
+await rig("0".repeat(32), options).catch(note);
+await rig(id, { ...options, token: "cdb_wrong_token" }).catch(note);
+const { R1, R2, P1, P2, Q } = rectify(left, right, found.pose(1));
+console.log(JSON.stringify({
+  record: found, pose: found.pose(1), refusals, R1, R2, P1, P2, Q,
+  eyes: found.views().map(({ eye }) => eye),
+}));
+"""
+
+
+def test_sdk_reads_the_rig_and_rectifies_it_as_its_file(finished: tuple[RigTruth, Any], url: str) -> None:
     rig, state = finished
-    answer = rig.result(name)
-    assert answer.status == 200, answer.body
-    if name == "json":
-        assert answer.json == state["result"]
-        return
-    assert rig.rig_id in answer.headers["content-disposition"]
-    if answer.headers["content-type"] == "application/zip":
-        assert len(zipfile.ZipFile(io.BytesIO(answer.body)).namelist()) == 2
-    else:
-        assert len(answer.body) > 500
+    found = run_module(READ, url, rig.rig_id, TOKEN)
+    assert found["record"] == state["result"]
+    assert found["eyes"] == ["left", "right"]
+    assert [refusal[:2] for refusal in found["refusals"]] == [[True, 404], [True, 403]]
+    assert "no rig" in found["refusals"][0][2]
+    for name in ("rvec", "tvec", "std"):
+        assert found["pose"][name] == pytest.approx(state["result"]["extrinsics"][1][name])
+    storage = cv2.FileStorage(
+        rig.result("opencv_stereo").body.decode(), cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY
+    )
+    for name in ("R1", "R2", "P1", "P2", "Q"):
+        assert np.array(found[name]) == pytest.approx(storage.getNode(name).mat(), abs=1e-6), name
+
+
+def test_python_client_reads_the_rig_and_a_file_of_it(finished: tuple[RigTruth, Any], url: str) -> None:
+    rig, state = finished
+    with PythonClient(url, TOKEN, cache=False) as client:
+        assert client.rig(rig.rig_id).record == state["result"]
+        assert client.rig_file(rig.rig_id, "kalibr").content == rig.result("kalibr").body
+        with pytest.raises(NotFoundError, match="no rig"):
+            client.rig("0" * 32)
+
+
+def test_result_is_a_file_or_an_archive_named_after_the_rig(finished: tuple[RigTruth, Any]) -> None:
+    rig, state = finished
+    assert rig.result("json").json == state["result"]
+    archive, chain = rig.result("ros"), rig.result("kalibr")
+    assert len(zipfile.ZipFile(io.BytesIO(archive.body)).namelist()) == 2
+    assert b"T_cn_cnm1" in chain.body
+    for answer, suffix in ((archive, ".zip"), (chain, ".yaml")):
+        assert re.search(rf"{rig.rig_id}.*{suffix}", answer.headers["content-disposition"])
 
 
 def test_unchanged_state_is_not_sent_again(stack: Server) -> None:
@@ -164,12 +208,8 @@ def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: Serv
 
 
 def test_state_tells_who_is_missing(stack: Server) -> None:
-    rig = RigTruth(stack, count=3, seed=7)
-    leader = rig.clients[0]
-    assert leader.open(**rig.request(0)).status == 201
-    made = leader.call("POST", "/v1/rigs", {"cameras": 3}).json
-    rig.rig_id, rig.join_code = made["rig_id"], made["join_code"]
-    joined = rig.clients[1].open(**rig.request(1), rig={"code": rig.join_code.lower(), "position": 2})
+    rig = RigTruth(stack, count=3, seed=7).lead()
+    joined = rig.join(1, code=rig.join_code.lower(), position=2)
     assert joined.json["rig"] == {"id": rig.rig_id, "position": 2}
     state = rig.state()
     assert [camera["status"] for camera in state["cameras"]] == ["capturing", "waiting", "capturing"]

@@ -32,7 +32,6 @@ def test_document_may_have_a_few_findings() -> None:
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("# Nobody reads it.", 1),
         ("let told = 0;", 1),
         ("/* by whoever, anew */", 2),
         ('t("capture.begun_anew")', 0),
@@ -46,12 +45,9 @@ def test_words_without_an_actor_are_found_in_sources(line: str, words: int) -> N
 @pytest.mark.parametrize(
     ("subject", "problems"),
     [
-        ("Freeze the clock in hourly quota tests", 0),
         ("F" * 72, 0),
         ("F" * 73, 1),
-        ("Freeze the clock.", 1),
         ("freeze the clock.", 2),
-        ("", 1),
     ],
 )
 def test_subject_is_short_capitalised_and_without_full_stop(subject: str, problems: int) -> None:

@@ -2,14 +2,13 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
-from calibdb_client import Calibration, CaptureResult, Rig, UsageError
-from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
+from calibdb_client import Calibration, UsageError
+from calibdb_client.conversion import format_of
 from tests.helpers.command import calibdb
 
 pytestmark = pytest.mark.usefixtures("working")
@@ -22,16 +21,10 @@ def calibrated(left_file: bytes, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return path
 
 
-@pytest.mark.parametrize("name", FORMATS)
-def test_calibration_made_here_is_exported_in_every_format(name: str, calibrated: Path) -> None:
-    path = Path("out")
-    assert calibdb(f"export {calibrated} --format {name} -o {path}") == 0
-    assert path.stat().st_size > 80
-
-
 def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path) -> None:
     calibration = Calibration.load(calibrated)
     calibration.save("camera.cameramodel")
+    assert calibration.save("corners.vnl").content.count(b"\n") > 13 * 54
     assert b"optimization_inputs" in Path("camera.cameramodel").read_bytes()
     assert calibration.save("x.txt").content.count(b"OPENCV") == 1
     assert calibration.save("x.yaml", format="kalibr").content.count(b"cam0:") == 1
@@ -72,25 +65,3 @@ def test_file_of_another_tool_is_converted_and_loaded() -> None:
     assert np.array_equal(Calibration.load(source).distortion_coefficients, loaded.distortion_coefficients)
     Path("board.txt").write_text("a board, glued to a table\n")
     assert calibdb("convert board.txt --format ros") == 2
-
-
-@pytest.mark.parametrize("name", RIG_FORMATS)
-def test_rig_on_disk_is_exported_in_every_format(name: str) -> None:
-    camera: dict[str, Any] = {
-        "camera": "Left",
-        "img_size": [640, 480],
-        "camera_matrix": [[530.0, 0, 320], [0, 530.0, 240], [0, 0, 1]],
-        "distortion_coefficients": [-0.2, 0.05, 0, 0, 0],
-        "distortion_model": "rectilinear",
-    }
-    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0.0] * 6}
-    moved = {"position": 1, "rvec": [0, 0.02, 0], "tvec": [-3.3, 0, 0.1], "std": [0.01] * 6}
-    record = {"calibrations": [camera, camera], "extrinsics": [still, moved], "unit": "squares"}
-    Path("rig.json").write_text(json.dumps(record))
-    assert calibdb(f"export rig.json --format {name} -o out") == 0
-    assert Path("out").stat().st_size > 100
-    assert Rig.load("rig.json").save("rig.yaml").content.count(b"T_cn_cnm1") == 1
-
-
-def test_calibration_in_memory_is_saved_with_its_corners(left: CaptureResult) -> None:
-    assert left.calibration.save("corners.vnl").content.count(b"\n") > 13 * 54

@@ -133,10 +133,7 @@ def test_script_runs_and_a_cameras_name_runs_nothing(folder: Path, tmp_path: Pat
 def test_opensfm_finds_the_camera_under_its_own_name(folder: Path) -> None:
     cameras = json.loads(priors.opensfm(groups(folder, calibrated=True)))
     camera = cameras["v2 apple iphone 13 4032 3024 perspective 0.7222"]
-    assert camera["projection_type"] == "brown"
     assert camera["focal_x"] == pytest.approx(3100 / 4032)
-    assert (camera["c_x"], camera["c_y"]) == pytest.approx((0.0, 0.0))
-    assert camera["k2"] == -0.2
 
 
 def test_sensor_widths_give_back_the_focal_length(folder: Path) -> None:

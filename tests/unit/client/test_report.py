@@ -21,8 +21,7 @@ def test_report_of_a_file_has_plots_and_a_row_per_picture(left_file: bytes) -> N
     Path("left.json").write_bytes(left_file)
     assert calibdb("plot left.json") == 0
     page = Path("report.html").read_text()
-    assert page.count("<tr><td>") == 9 + 13 + page[: page.index("<h2>")].count("<tr><td>")
-    assert "12.jpg" in page
+    assert all(f"{n:02}.jpg" in page for n in range(13))
     assert len(page) > 100_000
     assert "<script" not in page
     assert set(re.findall(r'src="([^"]{0,22})', page)) == {"data:image/png;base64,"}
@@ -37,30 +36,21 @@ def test_report_without_corners_is_refused(tmp_path: Path) -> None:
 def test_bent_board_is_named_by_the_command_and_the_report(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A board as drawn, and one whose middle rises by 0.08 squares, 0.7 % of its length off a plane."""
+    """Its middle rises by 0.08 squares, 0.7 % of its length off a plane."""
     in_mm = ["--square-mm", "30"]
     monkeypatch.setattr(plots, "report", lambda *_: Figure())
-    said = []
-    for name, sag in (("flat.json", 0.0), ("bent.json", 0.08)):
-        views = tuple(
-            RecordedView(f"{n}.jpg", tuple(ids), tuple((x, y) for x, y in points))
-            for n, (ids, points) in enumerate(held(Truth(sag=sag), 8))
-        )
-        Recording(CameraKey("Webcam", "linux", (1280, 720)), Board(), views).save(name)
-        assert calibdb(f"submit {name} --offline --model rectilinear", *in_mm) == 0
-        said += re.findall(r"Your board .*", capsys.readouterr().err)
-    for square in (in_mm, []):
-        assert calibdb("plot bent.json", *square) == 0
-        said += re.findall(r"Your board [^<]*", Path("report.html").read_text())
+    views = tuple(
+        RecordedView(f"{n}.jpg", tuple(ids), tuple((x, y) for x, y in points))
+        for n, (ids, points) in enumerate(held(Truth(sag=0.08), 8))
+    )
+    Recording(CameraKey("Webcam", "linux", (1280, 720)), Board(), views).save("bent.json")
+    assert calibdb("submit bent.json --offline --model rectilinear", *in_mm) == 0
+    (millimetres,) = re.findall(r"Your board .*", capsys.readouterr().err)
+    assert calibdb("plot bent.json", *in_mm) == 0
+    assert re.findall(r"Your board [^<]*", Path("report.html").read_text()) == [millimetres]
+    found = re.fullmatch(r"Your board is bent by (.*) mm; that was taken into account.", millimetres)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(0.007 * 7 * 30, abs=0.3)  # seven squares between the corners
     assert calibdb("plot bent.json -o report.pdf") == 0
     assert Path("report.pdf").read_bytes().startswith(b"%PDF")
     assert calibdb("plot bent.json -o report.gif") == 2
-    millimetres, reported, bent = said
-    assert millimetres == reported
-    for sentence, unit, bend, tolerance in (
-        (bent, "% of its length", 0.7, 0.15),
-        (millimetres, "mm", 0.007 * 7 * 30, 0.3),  # seven squares between the corners
-    ):
-        found = re.fullmatch(rf"Your board is bent by (.*) {unit}; that was taken into account.", sentence)
-        assert found is not None
-        assert float(found[1]) == pytest.approx(bend, abs=tolerance)

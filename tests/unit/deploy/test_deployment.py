@@ -1,9 +1,10 @@
 """A deployment knows what is there already, and which release each alias runs."""
 
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
-from unittest.mock import Mock
+from typing import Any, get_args
+from unittest.mock import Mock, call
 
 import boto3
 import pytest
@@ -13,8 +14,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from infra.deploy import aws, deployment
-from infra.deploy.steps import ROLLOUT, Target, parameter_file, steps
-from tests.unit.deploy.paged import paged
+from infra.deploy.prune import MAX_ARTIFACT_AGE_DAYS, MAX_VERSIONS, prune
+from infra.deploy.steps import ROLLOUT, Kind, Target, parameter_file, steps
+
+
+def paged(*pages: dict[str, Any], **responses: Any) -> Mock:
+    """Make a client; `responses`: those of its other calls, by name."""
+    client = Mock()
+    client.get_paginator.return_value.paginate.return_value = pages
+    for name, response in responses.items():
+        getattr(client, name).return_value = response
+    return client
 
 
 class Cloudformation(Mock):
@@ -39,14 +49,20 @@ def cloud(monkeypatch: pytest.MonkeyPatch) -> Cloudformation:
     return found
 
 
-@pytest.mark.usefixtures("cloud")
-def test_first_deployment_tells_the_functions_where_the_site_is() -> None:
+@pytest.mark.parametrize("status", [None, "REVIEW_IN_PROGRESS"])
+def test_first_deployment_tells_the_functions_where_the_site_is(
+    cloud: Cloudformation, status: str | None
+) -> None:
+    cloud.status = status
     target = deployment.find_out(Target("mine", "us-east-1"))
     assert (target.exists, target.site) == (False, None)
     deploys = [s for s in steps(target) if s.command[1:2] == ("deploy",)]
-    assert len(deploys) == 2
-    assert deploys[1].parameters["GuidanceUrl"] == "{SiteUrl}/calibrate/"
-    assert deploys[1].parameters["Rollout"] == "AllAtOnce"  # there are no calls to move yet
+    first, second = deploys
+    assert second.parameters["GuidanceUrl"] == "{SiteUrl}/calibrate/"
+    assert second.parameters["Rollout"] == "AllAtOnce"  # there are no calls to move yet
+    # A creation that fails leaves nothing; by the second time the stack is there.
+    assert first.command[first.command.index("--on-failure") + 1] == "DELETE"
+    assert "--on-failure" not in second.command
 
 
 def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloudformation) -> None:
@@ -55,6 +71,7 @@ def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloud
     (step,) = (s for s in steps(target) if s.command[1:2] == ("deploy",))
     assert step.parameters["GuidanceUrl"] == "https://d1.cloudfront.net/calibrate/"
     assert step.parameters["Rollout"] == ROLLOUT
+    assert "--on-failure" not in step.command
     # A domain that the stack has already, and one that is given now or taken away.
     cloud.parameters = {"DomainName": "calib.example"}
     assert deployment.find_out(Target("mine", "us-east-1")).site == "https://calib.example"
@@ -63,9 +80,8 @@ def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloud
         assert deployment.find_out(given).site == site
 
 
-def test_stack_without_resources_is_not_there(cloud: Cloudformation) -> None:
-    cloud.status = "REVIEW_IN_PROGRESS"
-    assert not deployment.find_out(Target("mine", "us-east-1")).exists
+def with_clients(cloudformation: Mock, lambda_: Mock | None = None) -> aws.Account:
+    return aws.Account("mine", "us-east-1", {"cloudformation": cloudformation, "lambda": lambda_})
 
 
 def resource(kind: str, name: str) -> dict[str, str]:
@@ -84,17 +100,16 @@ def test_release_is_read_at_the_alias_that_the_api_calls() -> None:
     def configuration(FunctionName: str, Qualifier: str = "newest") -> Any:  # noqa: N803
         return {"Environment": {"Variables": {"RELEASE": f"{Qualifier} {FunctionName}"}}}
 
-    lambda_ = Mock(get_function_configuration=configuration)
-    assert aws.releases(cloudformation, lambda_, "mine") == {"lookup": "live lookup", "refit": "newest refit"}
+    account = with_clients(cloudformation, Mock(get_function_configuration=configuration))
+    assert account.releases() == {"lookup": "live lookup", "refit": "newest refit"}
 
 
 def test_step_back_points_aliases_at_the_version_before() -> None:
     cloudformation = paged({"StackResourceSummaries": [alias("lookup")]})
     versions = [{"Version": version} for version in ("$LATEST", "3", "7", "9", "10")]
     lambda_ = paged({"Versions": versions}, get_alias={"FunctionVersion": "9"})
-    assert aws.step_back(cloudformation, lambda_, "mine") == {"lookup": ("9", "7")}
+    assert with_clients(cloudformation, lambda_).step_back() == {"lookup": ("9", "7")}
     lambda_.get_alias.assert_called_once_with(FunctionName="lookup", Name="live")
-    lambda_.get_paginator().paginate.assert_called_once_with(FunctionName="lookup")
     lambda_.update_alias.assert_called_once_with(
         FunctionName="lookup",
         Name="live",
@@ -102,22 +117,19 @@ def test_step_back_points_aliases_at_the_version_before() -> None:
         RoutingConfig={"AdditionalVersionWeights": {}},
     )
     first = paged({"Versions": versions[:2]}, get_alias={"FunctionVersion": "3"})
-    assert aws.step_back(cloudformation, first, "mine") == {}
+    assert with_clients(cloudformation, first).step_back() == {}
     first.update_alias.assert_not_called()
 
 
 def test_failed_resources_of_the_newest_stack_are_read() -> None:
-    stacks = [("mine", "old"), ("mine", "new"), ("other", "other")]
     summaries = [
         {"StackName": name, "StackId": identity, "CreationTime": time}
-        for time, (name, identity) in enumerate(stacks)
+        for time, (name, identity) in enumerate([("mine", "old"), ("mine", "new"), ("other", "other")])
     ]
-    events = [
-        {"LogicalResourceId": "A", "ResourceStatus": "CREATE_COMPLETE"},
-        {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"},
-    ]
+    failed = {"LogicalResourceId": "B", "ResourceStatus": "CREATE_FAILED", "ResourceStatusReason": "why"}
+    events = [{"LogicalResourceId": "A", "ResourceStatus": "CREATE_COMPLETE"}, failed]
     cloudformation = paged({"StackSummaries": summaries}, describe_stack_events={"StackEvents": events})
-    assert aws.failures(cloudformation, "mine") == ["B: why"]
+    assert with_clients(cloudformation).failures() == ["B: why"]
     cloudformation.describe_stack_events.assert_called_once_with(StackName="new")
 
 
@@ -125,7 +137,7 @@ def test_one_parameter_is_changed_and_the_others_are_kept() -> None:
     cloudformation = Cloudformation()
     cloudformation.status = "UPDATE_COMPLETE"
     cloudformation.parameters = {"AlarmEmail": "a@example.org", "EdgeSecretVersion": "1"}
-    aws.set_parameter(cloudformation, "mine", "EdgeSecretVersion", "2")
+    with_clients(cloudformation).set_parameter("EdgeSecretVersion", "2")
     change = cloudformation.update_stack.call_args.kwargs
     assert change["UsePreviousTemplate"] is True
     assert change["Parameters"] == [
@@ -137,24 +149,60 @@ def test_one_parameter_is_changed_and_the_others_are_kept() -> None:
 def test_stack_and_table_are_protected_once_they_are_there() -> None:
     cloudformation = Cloudformation()
     cloudformation.status, cloudformation.outputs = "CREATE_COMPLETE", {"TableName": "table"}
-    dynamodb = Mock()
+    account, dynamodb = with_clients(cloudformation), Mock()
+    account.clients["dynamodb"] = dynamodb
     for protected in (False, True):
         dynamodb.describe_table.return_value = {"Table": {"DeletionProtectionEnabled": protected}}
-        aws.protect(cloudformation, dynamodb, "mine")
+        account.protect()
     cloudformation.update_termination_protection.assert_called_with(
         StackName="mine", EnableTerminationProtection=True
     )
     dynamodb.update_table.assert_called_once_with(TableName="table", DeletionProtectionEnabled=True)
 
 
-OTHER_STEPS = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
+NOW = datetime(2026, 11, 22, tzinfo=UTC)
+OLD = NOW - timedelta(days=MAX_ARTIFACT_AGE_DAYS + 1)
+
+
+def test_named_and_newest_versions_and_used_artifacts_stay() -> None:
+    cloudformation = paged(
+        {"StackResourceSummaries": [resource("Function", "Lookup"), alias("Lookup")]},
+        describe_stacks={
+            "Stacks": [{"Outputs": [{"OutputKey": "SourceBucket", "OutputValue": "artifacts"}]}]
+        },
+        get_template={"TemplateBody": {"Resources": {"F": {"Code": {"S3Key": "calibdb/used"}}}}},
+    )
+    # A function of twelve versions, whose alias moves from the second to the twelfth
+    moving = {"FunctionVersion": "2", "RoutingConfig": {"AdditionalVersionWeights": {"12": 0.1}}}
+    lambda_ = paged(
+        *({"Versions": [{"Version": number}]} for number in ["$LATEST", *map(str, range(1, 13))]),
+        list_aliases={"Aliases": [moving]},
+    )
+    times = {"calibdb/used": OLD, "calibdb/old": OLD, "calibdb/young": NOW}
+    s3 = paged({"Contents": [{"Key": key, "LastModified": time} for key, time in times.items()]}, {})
+    clients = {"cloudformation": cloudformation, "lambda": lambda_, "s3": s3}
+    done = prune(aws.Account("calibdb", "us-east-1", clients), NOW)
+    s3.get_paginator().paginate.assert_called_once_with(Bucket="artifacts", Prefix="calibdb/")
+    lambda_.list_aliases.assert_called_once_with(FunctionName="Lookup")
+    assert MAX_VERSIONS == 5
+    # 11 to 7 stay, and those of the alias.
+    assert lambda_.delete_function.mock_calls == [
+        call(FunctionName="Lookup", Qualifier=number) for number in ("6", "5", "4", "3", "1")
+    ]
+    s3.delete_objects.assert_called_once_with(
+        Bucket="artifacts", Delete={"Objects": [{"Key": "calibdb/old"}], "Quiet": True}
+    )
+    assert done == (5, 1)
+
+
+OTHER_STEPS = set(get_args(Kind)) - {"run"}
 
 
 @pytest.fixture
 def written(cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """The parameter file of deployments of a stack; their commands do nothing."""
     cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"SiteUrl": "https://d1.cloudfront.net"}
-    monkeypatch.setattr(aws, "edge_secret_version", lambda *_: 7)
+    monkeypatch.setattr(aws.Account, "edge_secret_version", lambda *_: 7)
     monkeypatch.setattr(deployment, "PARAMETERS", tmp_path / "parameters.yaml")
     monkeypatch.setattr(deployment, "_run", lambda *_: None)
     monkeypatch.setattr(deployment, "find_out", lambda target: target)

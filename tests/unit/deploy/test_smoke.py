@@ -1,7 +1,6 @@
 """The smoke test asks what pages need, and finds each thing that is missing."""
 
 import functools
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -9,10 +8,12 @@ from typing import Any
 import httpx
 import pytest
 
+from calibdb.errors import UnavailableError
+from calibdb.store import Cameras
 from infra.deploy import page_token, smoke, smoke_capture
 from infra.server.server import Server
 from infra.web_build.site import made_files
-from tests.helpers.service.client import Client
+from tests.helpers.sam import resources
 from tests.helpers.service.published import store
 
 Change = Callable[[str, str, httpx.Response], httpx.Response]
@@ -85,7 +86,6 @@ def elsewhere(_: str, __: str, heard: httpx.Response) -> httpx.Response:
         (without("content-security-policy", "/calibrate/"), "no content-security-policy"),
         (answering(503, ("GET", "/healthz")), "GET /healthz: 503, not 200"),
     ],
-    ids=["preflight", "its headers", "sdk", "page token", "guidance", "double slash", "policy", "health"],
 )
 def test_each_thing_that_is_missing_is_found(address: str, change: Change, complaint: str) -> None:
     assert any(complaint in problem for problem in found(address, change))
@@ -126,16 +126,38 @@ def test_capture_that_fails_is_a_problem(address: str, tmp_path: Path) -> None:
 
 def test_page_token_follows_the_domain(stack: Server) -> None:
     tokens = store(stack).tokens
-    first = page_token.admit(tokens, "", ["https://d1.cloudfront.net"])
-    assert first.startswith("cdb_")
-    again = page_token.admit(tokens, first, ["https://d1.cloudfront.net"])
-    moved = page_token.admit(tokens, first, ["https://calib.example", "https://d1.cloudfront.net"])
+    site, distribution = "https://calib.example", "https://d1.cloudfront.net"
+    first = page_token.admit(tokens, "", [distribution])
+    again = page_token.admit(tokens, first, [distribution])
+    moved = page_token.admit(tokens, first, [site, distribution])
     assert first == again == moved
-    for origin in ("https://calib.example", "https://d1.cloudfront.net"):
-        headers = {"origin": origin}
-        assert Client(stack).call("POST", "/v1/auth", token=first, headers=headers).status == 201
-    refused = Client(stack).call("POST", "/v1/auth", token=first, headers={"origin": "https://x.example"})
-    assert refused.status == 403
+    token = tokens.get(first.split("_")[1])
+    assert token is not None
+    assert (token.plan, set(token.origins)) == ("page", {site, distribution})
     # One that was lost with the table is made anew.
-    assert page_token.admit(tokens, "cdb_0123456789abcdef_x", ["https://calib.example"]) != first
-    assert json.dumps([token.plan for token in tokens.all()]).count("page") == 2
+    assert page_token.admit(tokens, "cdb_0123456789abcdef_x", [site]) != first
+
+
+def run_probe(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the code as Lambda gets it; raises RuntimeError where it finds the site out of order."""
+    code = resources()["Probe"]["Properties"]["Code"]["ZipFile"]
+    assert len(code) <= 4096  # AWS::Lambda::Function Code, "ZipFile": 4 MB today, 4,096 characters once
+    monkeypatch.setenv("SITE_URL", url)
+    names: dict[str, Any] = {}
+    exec(compile(code, "index.py", "exec"), names)
+    names["handler"]({}, None)
+
+
+def test_probe_finds_a_site_that_answers_lookups(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    run_probe(address, monkeypatch)
+
+
+def test_probe_fails_where_lookups_are_not_answered(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise UnavailableError("Storage did not answer.")
+
+    monkeypatch.setattr(Cameras, "known", fail)
+    with pytest.raises(RuntimeError, match="POST /v1/lookup: 503"):
+        run_probe(address, monkeypatch)
+    with pytest.raises(OSError, match="refused"):
+        run_probe("http://127.0.0.1:9", monkeypatch)

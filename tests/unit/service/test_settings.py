@@ -1,13 +1,18 @@
-"""Settings: their defaults, and errors that name the variable."""
+"""Settings: their defaults, and errors that name the variable; how long a process keeps a service."""
 
+import math
 from dataclasses import asdict, fields
 from pathlib import Path
 
 import pytest
 
+from calibdb.access.tokens import ApiToken
+from calibdb.service import Service
 from calibdb.settings import Settings, SettingsError, Thresholds
+from calibdb.store import Store
 from calibsolver.consensus import Rule
 from infra.deploy.template import parse
+from tests.helpers.clock import Clock
 
 ROOT = Path(__file__).parents[3]
 
@@ -74,6 +79,7 @@ def test_missing_settings_are_named(name: str, value: str | None) -> None:
         ("SESSION_SECRETS", ","),
         ("THRESHOLDS", "MIN_SHARE"),
         ("THRESHOLDS", "TABLE_NAME=other"),
+        *(("PLAN_FACTORS", value) for value in ("page", "page=0", "page=x", "=2")),
     ],
 )
 def test_malformed_settings_are_refused(name: str, value: str) -> None:
@@ -87,3 +93,38 @@ def test_the_thresholds_are_the_same_in_settings_and_solver() -> None:
         "min_contributors": Thresholds().min_contributors,
     }  # which the solver cannot know
     assert rule.items() <= asdict(Thresholds()).items()
+
+
+SETTINGS = Settings.from_environment(ENVIRONMENT)
+
+
+def test_sessions_sort_by_their_start() -> None:
+    clock = Clock(1_700_000_000.9)
+    service = Service.build(SETTINGS, Store.of(SETTINGS), clock)
+    token = ApiToken("dev", "")
+    first = service.ticket(token, None).sid
+    clock.now += 1
+    assert (first[:8], len(first)) == ("6553f100", 24)
+    assert service.ticket(token, None).sid > first
+
+
+@pytest.mark.usefixtures("function_environment")
+def test_environment_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    service = Service.of_process()
+    monkeypatch.setenv("TABLE_NAME", "other")
+    assert Service.of_process() is service
+    Service.forget()
+    assert Service.of_process().settings.table_name == "other"
+
+
+@pytest.mark.usefixtures("function_environment")
+def test_equal_secrets_read_again_are_one_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    current = {"SESSION_SECRETS": "a,b"}
+    monkeypatch.setattr(
+        "calibdb.service.with_secrets", lambda environment: ({**environment, **current}, -math.inf)
+    )
+    service = Service.of_process()
+    assert Service.of_process() is service
+    current["SESSION_SECRETS"] = "c,a"
+    assert Service.of_process() is not service
+    assert Service.of_process().settings.session_secrets == ("c", "a")

@@ -20,10 +20,6 @@ CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
 
 
-def honest_views(count: int, board: Board = BOARD, seed: int = 0) -> list[View]:
-    return populations.views(CAMERA, np.random.default_rng(seed), count=count, board=board)
-
-
 class Steps:
     """Seconds left that fall by one with every question, in place of a clock."""
 
@@ -36,7 +32,7 @@ class Steps:
         return self.seconds - self.asked
 
 
-VIEWS = honest_views(4)
+VIEWS = populations.views(CAMERA, np.random.default_rng(0), count=4)
 COMPUTATIONS: dict[str, Callable[[], object]] = {
     "fit": lambda: fit(VIEWS, SIZE),
     "fit by least squares": lambda: fit(VIEWS, SIZE, robust=False),
@@ -108,7 +104,7 @@ def test_contradicting_view_is_refused_where_the_search_runs_out_of_time(
 
 def test_contradicting_view_of_a_dense_board_is_fitted_to_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     board = Board(squares=(30, 25), dictionary="DICT_APRILTAG_36h10")
-    views = honest_views(6, board)
+    views = populations.views(CAMERA, np.random.default_rng(0), board=board)
     judge = contradict(board, views)
     counted: list[int] = []
 

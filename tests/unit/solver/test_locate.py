@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, locate, rotation
+from calibsolver import Board, BoardPose, Calibration, CalibrationError, Camera, View, fit, locate, rotation
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
 from tests.helpers.solver import export_sources
@@ -49,18 +49,22 @@ def poses(model: str, count: int, rng: np.random.Generator) -> list[tuple[np.nda
     return out
 
 
-def mahalanobis(model: str, rng: np.random.Generator, count: int) -> list[float]:
-    """Squared distances of true poses from estimated ones, in units of the covariance."""
+def mahalanobis(found: BoardPose, r: np.ndarray, t: np.ndarray) -> float:
+    """Squared distance of a true pose from an estimated one, in units of the covariance."""
+    turn = rotation.vector(r @ rotation.matrix(np.asarray(found.rvec)).T)
+    error = np.concatenate([turn, t - found.tvec])
+    return float(error @ np.linalg.solve(found.covariance, error))
+
+
+def distances_of(model: str, rng: np.random.Generator, count: int) -> list[float]:
+    """Squared distances of true poses from ones estimated by a camera that errs as it states."""
     calibration = calibration_of(model)
     root = np.linalg.cholesky(calibration.covariance)
     distances = []
     for r, t in poses(model, count, rng):
         true = camera_of(model, root @ rng.normal(size=len(root)))
         q = true.project(BOARD.points @ r.T + t) + rng.normal(size=(BOARD.corner_count, 2)) * NOISE
-        found = locate(calibration, View(BOARD.points, q))
-        turn = rotation.vector(r @ rotation.matrix(np.asarray(found.rvec)).T)
-        error = np.concatenate([turn, t - found.tvec])
-        distances.append(float(error @ np.linalg.solve(found.covariance, error)))
+        distances.append(mahalanobis(locate(calibration, View(BOARD.points, q)), r, t))
     return distances
 
 
@@ -68,7 +72,7 @@ def mahalanobis(model: str, rng: np.random.Generator, count: int) -> list[float]
 def test_covariance_covers_the_errors_of_simulated_poses(count: int) -> None:
     """Within three times the Monte Carlo error."""
     rng = np.random.default_rng(45)
-    distances = np.array([mahalanobis(model, rng, count) for model in MODELS])
+    distances = np.array([distances_of(model, rng, count) for model in MODELS])
     for limit, share in ((CHI2_68, 0.68), (CHI2_95, 0.95)):
         bound = 3 * np.sqrt(share * (1 - share) / count)
         assert float((distances < limit).mean()) == pytest.approx(share, abs=bound / 2)
@@ -110,8 +114,7 @@ def test_weights_make_poses_of_uneven_corners_certain() -> None:
     for r, t in poses("rectilinear", 80, rng):
         q = camera.project(BOARD.points @ r.T + t) + sigma[:, None] * rng.normal(size=(len(sigma), 2))
         found = locate(camera, View(BOARD.points, q, sigma**-2.0))
-        off = np.append(rotation.vector(r @ rotation.matrix(np.asarray(found.rvec)).T), t - found.tvec)
-        squares.append(off @ np.linalg.solve(found.covariance, off))
+        squares.append(mahalanobis(found, r, t))
         plain = locate(camera, View(BOARD.points, q))
         shares.append(np.trace(found.covariance[3:, 3:]) / np.trace(plain.covariance[3:, 3:]))
     assert np.mean(np.array(squares) < CHI2_95) == pytest.approx(0.95, abs=0.05)

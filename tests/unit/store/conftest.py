@@ -4,8 +4,9 @@
 """
 
 import os
+import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import nullcontext
 
 import boto3
 import pytest
@@ -21,31 +22,21 @@ REGION = "eu-central-1"
 CLOCK = [0.0]
 
 
-@contextmanager
-def elsewhere(endpoint: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Another implementation than moto (`make verify ONLY=conformance`), left as it was found."""
-    monkeypatch.setenv("AWS_ENDPOINT_URL", endpoint)
-    yield
-    s3, dynamodb = boto3.client("s3", REGION), boto3.client("dynamodb", REGION)
-    for kept in s3.list_object_versions(Bucket="bucket").get("Versions", []):
-        s3.delete_object(Bucket="bucket", Key=kept["Key"], VersionId=kept["VersionId"])
-    for listed in s3.list_objects_v2(Bucket="bucket").get("Contents", []):
-        s3.delete_object(Bucket="bucket", Key=listed["Key"])
-    s3.delete_bucket(Bucket="bucket")
-    dynamodb.delete_table(TableName="table")
-
-
 @pytest.fixture
-def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
-        monkeypatch.setenv(name, "test")
+def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """Name of a bucket and a table of moto, or of `make verify ONLY=conformance`."""
+    for variable in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(variable, "test")
     endpoint = os.environ.get("CONFORMANCE_ENDPOINT")
-    with elsewhere(endpoint, monkeypatch) if endpoint else account():
+    if endpoint:
+        monkeypatch.setenv("AWS_ENDPOINT_URL", endpoint)
+    name = f"test-{uuid.uuid4()}"
+    with nullcontext() if endpoint else account():
         boto3.client("s3", REGION).create_bucket(
-            Bucket="bucket", CreateBucketConfiguration={"LocationConstraint": REGION}
+            Bucket=name, CreateBucketConfiguration={"LocationConstraint": REGION}
         )
         boto3.client("dynamodb", REGION).create_table(
-            TableName="table",
+            TableName=name,
             BillingMode="PAY_PER_REQUEST",
             AttributeDefinitions=[{"AttributeName": n, "AttributeType": "S"} for n in ("pk", "sk")],
             KeySchema=[
@@ -53,14 +44,13 @@ def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
                 {"AttributeName": "sk", "KeyType": "RANGE"},
             ],
         )
-        yield
+        yield name
 
 
 @pytest.fixture(params=["aws"] if "CONFORMANCE_ENDPOINT" in os.environ else ["sqlite", *thorough("aws")])
 def adapter(request: pytest.FixtureRequest) -> str:
-    if request.param == "aws":
-        request.getfixturevalue("aws")
-    return str(request.param)
+    """Name of a bucket and a table of AWS, or "sqlite"."""
+    return str(request.getfixturevalue("aws") if request.param == "aws" else request.param)
 
 
 @pytest.fixture
@@ -75,7 +65,7 @@ def table(adapter: str, database: Database) -> Table:
     if adapter == "sqlite":
         return SqliteTable(database)
     client = boto3.client("dynamodb", REGION)
-    return DynamoTable(lambda: client, "table")
+    return DynamoTable(lambda: client, adapter)
 
 
 @pytest.fixture
@@ -83,7 +73,7 @@ def objects(adapter: str, database: Database) -> Objects:
     if adapter == "sqlite":
         return SqliteObjects(database, "bucket")
     client = boto3.client("s3", REGION)
-    return S3Objects(lambda: client, "bucket")
+    return S3Objects(lambda: client, adapter)
 
 
 @pytest.fixture

@@ -4,20 +4,18 @@ import pytest
 
 from calibdb.camera_key import camera_key
 from calibdb.schema import (
-    Board,
     CalibrationDocument,
     ConsensusDocument,
     FitRecord,
     GroupsDocument,
     Track,
     Uncertainty,
-    VoteDocument,
 )
 from calibdb.store import Calibrations, Objects, StreamMode, Table
 from calibdb.store.cameras import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.votes import Votes
-from tests.helpers.service.known import calibration, fit
+from tests.helpers.service.known import calibration, consensus, fit, mode_of, vote
 
 NOW = 1_700_000_000
 VAGUE = Uncertainty(rms=3.01, max=9.0)
@@ -28,16 +26,12 @@ def votes(table: Table, objects: Objects) -> Votes:
     return Votes(table, objects)
 
 
-def mode(document: CalibrationDocument) -> StreamMode:
-    return StreamMode(document.camera_key, document.img_size, document.zoom)
-
-
 def test_publishing_twice_is_publishing_once(calibrations: Calibrations) -> None:
     document = calibrated(0)
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
-    assert [counted.id for counted in calibrations.newest(mode(document), 200)] == [document.id]
+    assert [counted.id for counted in calibrations.newest(mode_of(document), 200)] == [document.id]
     assert list(calibrations.all()) == [document]
 
 
@@ -47,7 +41,7 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(calibrations: Cali
         calibrations.publish(document)
     for other in ({"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"}, {"zoom": 0.5}):
         calibrations.index(documents[0].model_copy(update=other))
-    found = [counted.id for counted in calibrations.newest(mode(documents[0]), 5)]
+    found = [counted.id for counted in calibrations.newest(mode_of(documents[0]), 5)]
     assert found == [document.id for document in documents[:-6:-1]]
     assert calibrations.read(found) == documents[:-6:-1]
 
@@ -66,7 +60,7 @@ def test_uncounted_calibrations_are_skipped(calibrations: Calibrations) -> None:
     assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is True
     assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is False
     calibrations.publish(documents[2])  # the client repeats its last view
-    place = mode(documents[0])
+    place = mode_of(documents[0])
     assert [c.id for c in calibrations.newest(place, 200)] == [documents[3].id, documents[0].id]
     everything = sorted(calibrations.everything(), key=lambda one: one[0].time)
     assert everything == [(document, n == 2) for n, document in enumerate(documents)]
@@ -80,10 +74,10 @@ def test_source_counts_three_times_at_most(calibrations: Calibrations) -> None:
     busy = [calibrated(n, f"token {n}", source="one place", time=NOW + n * day) for n in range(1, 9)]
     for document in busy:
         calibrations.index(document)
-    found = calibrations.newest(mode(once), 200, day)
+    found = calibrations.newest(mode_of(once), 200, day)
     assert [c.source for c in found] == ["one place"] * 3 + ["elsewhere"]
     assert [c.id for c in found[:3]] == [d.id for d in busy[:-4:-1]], "the newest"
-    assert len(calibrations.newest(mode(once), 200)) == 9, "without a period everything counts"
+    assert len(calibrations.newest(mode_of(once), 200)) == 9, "without a period everything counts"
 
 
 @pytest.mark.parametrize(
@@ -103,7 +97,7 @@ def test_calibration_that_is_no_evidence_does_not_count(
     other = calibrated(1, **wide, fits=of_fit(changes))
     calibrations.index(evidence)
     calibrations.index(other)
-    place = mode(evidence)
+    place = mode_of(evidence)
     assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [evidence.id]
     assert len(calibrations.newest(place, 200)) == 2
 
@@ -113,17 +107,7 @@ def of_fit(changes: dict[str, object]) -> dict[str, FitRecord]:
 
 
 def rests_on(basis: str) -> ConsensusDocument:
-    return ConsensusDocument(
-        camera_key="k",
-        img_size=(1280, 720),
-        zoom=0,
-        distortion_model="rectilinear",
-        total=len(basis),
-        latest=NOW,
-        basis=basis,
-        pooled=f"pooled {basis}",
-        reason="too_few",
-    )
+    return consensus(key="k").model_copy(update={"basis": basis, "pooled": f"pooled {basis}"})
 
 
 def behind(basis: str) -> GroupsDocument:
@@ -153,7 +137,7 @@ def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     assert not leases.take(place, "third", NOW, NOW + 30)
     assert leases.take(StreamMode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
     assert not leases.release(place, "first"), "the others wait for another round"
-    leases.again(place, "first", NOW + 30)
+    assert leases.take(place, "first", NOW, NOW + 30), "it computes again"
     assert leases.release(place, "first")
     assert leases.take(place, "second", NOW, NOW + 30)
     assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same request"
@@ -166,19 +150,8 @@ def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     assert leases.take(place, "first", NOW + 32, NOW + 62)
 
 
-VOTE = VoteDocument(
-    id="6553f100aaaaaaaaaaaa",
-    camera_key="c4-k-0123456789ab",
-    camera="K",
-    platform="Linux",
-    img_size=(1280, 720),
-    zoom=0,
-    board=Board(),
-    views=(),
-    noise=0.1,
-    contributor="somebody",
-    time=NOW,
-)
+VOTED = calibration("K", "Linux", key="c4-k-0123456789ab")
+VOTE = vote(VOTED, id="6553f100aaaaaaaaaaaa", contributor="somebody", time=NOW)
 
 
 def test_first_vote_of_an_id_counts(votes: Votes) -> None:
@@ -187,7 +160,7 @@ def test_first_vote_of_an_id_counts(votes: Votes) -> None:
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
     found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), one_per_source=False)
-    assert [(cast.source, cast.time) for cast in found] == [("somebody", NOW + 256), ("somebody", NOW)]
+    assert [(cast.id, cast.source) for cast in found] == [(later.id, "somebody"), (VOTE.id, "somebody")]
     assert votes.read(found) == [later, VOTE]
     assert list(votes.all()) == [VOTE, later]
 

@@ -29,9 +29,7 @@ def test_overlong_name_is_found_by_its_beginning(
     assert [key for key, _ in cameras.search(word, 10, None)[0]] == [camera_key(label, LINUX)]
 
 
-@pytest.mark.parametrize(
-    "after", ["", "x", "c920", "c920#", "kiyo#c2-a-0123456789ab", "c920#c2-A-0123456789ab"]
-)
+@pytest.mark.parametrize("after", ["", "c920#", "kiyo#c2-a-0123456789ab", "c920#c2-A-0123456789ab"])
 def test_invented_page_token_is_refused(after: str) -> None:
     assert not is_place("c920", after)
     assert is_place("c920", "c920e#c2-webcam-c920e-0123456789ab")

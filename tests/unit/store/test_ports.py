@@ -1,14 +1,13 @@
 """Conformance of the ports' implementations: SQLite, and AWS by moto or (`make verify`) ministack."""
 
 import os
-import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from calibdb.store import Objects, Table
 from calibdb.store.ports import (
-    IF_EXISTS,
     IF_NOT_EXISTS,
     Condition,
     Item,
@@ -36,7 +35,7 @@ def test_item_is_returned_as_it_was_put(table: Table) -> None:
     ("condition", "without_item", "with_item"),
     [
         (IF_NOT_EXISTS, True, False),
-        (IF_EXISTS, False, True),
+        (equals(pk="P#1"), False, True),
         (compared("withdrawn", "absent"), True, True),
         (compared("count", "absent"), True, False),
         (equals(count=7), False, True),
@@ -148,17 +147,8 @@ def test_purged_object_is_gone(objects: Objects) -> None:
 
 def at_once(count: int, call: Callable[[int], object]) -> list[object]:
     """Call in as many threads, and return the answers."""
-    answers: list[object] = [None] * count
-
-    def run(n: int) -> None:
-        answers[n] = call(n)
-
-    threads = [threading.Thread(target=run, args=(n,)) for n in range(count)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return answers
+    with ThreadPoolExecutor(count) as threads:
+        return list(threads.map(call, range(count)))
 
 
 def test_of_concurrent_writers_one_wins(table: Table, objects: Objects) -> None:

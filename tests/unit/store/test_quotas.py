@@ -1,5 +1,6 @@
 """Counters of use, split where a plan is large, and trial tokens that nothing used."""
 
+import itertools
 from dataclasses import replace
 
 import pytest
@@ -12,10 +13,13 @@ from calibdb.store.quotas import MIN_SHARDED_LIMIT, SHARDS, Quotas
 NOW = 1_700_000_000
 
 
-def test_large_counter_is_split_and_stops_exactly_at_its_limit(table: Table) -> None:
+def test_large_counter_is_split_and_stops_exactly_at_its_limit(
+    table: Table, monkeypatch: pytest.MonkeyPatch
+) -> None:
     limit = MIN_SHARDED_LIMIT + 5
-    starts = iter(range(10**9))
-    quotas = Quotas(table, lambda: next(starts) % SHARDS)
+    starts = itertools.count()
+    monkeypatch.setattr("calibdb.store.quotas.randrange", lambda shards: next(starts) % shards)
+    quotas = Quotas(table)
     parts = [limit // SHARDS + (shard < limit % SHARDS) for shard in range(SHARDS)]
     assert sum(parts) == limit
     for shard, part in enumerate(parts):  # all but three of the limit have been used

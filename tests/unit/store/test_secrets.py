@@ -2,16 +2,15 @@
 
 import itertools
 import random
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 from botocore.exceptions import EndpointConnectionError
 
 from calibdb.errors import UnavailableError
-from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets
-from tests.helpers.clock import Clock
-from tests.helpers.marks import thorough
+from calibdb.store import secrets
 
 
 class Ssm:
@@ -22,35 +21,52 @@ class Ssm:
 
     def get_parameters(self, *, Names: Sequence[str], WithDecryption: bool) -> dict[str, Any]:  # noqa: N803
         assert WithDecryption
-        assert set(Names) == {f"/calibdb/stack/{name}" for name in NAMES}
+        assert set(Names) == {f"/calibdb/stack/{name}" for name in secrets.NAMES}
         self.reads += 1
         if not self.there:
             raise EndpointConnectionError(endpoint_url="https://ssm.invalid")
         return {"Parameters": [{"Name": f"/calibdb/stack/{k}", "Value": v} for k, v in self.values.items()]}
 
 
-def test_read_once_and_again_after_five_minutes() -> None:
-    ssm, clock = Ssm(), Clock()
-    secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
-    assert secrets() == secrets() == {"SESSION_SECRETS": "a,b", "CONTRIBUTOR_SECRET": "c"}
-    assert ssm.reads == 1
-    ssm.values["SESSION_SECRETS"] = "b,d,a"
-    clock.now += SECRETS_TTL_S
-    assert secrets()["SESSION_SECRETS"] == "b,d,a"
+ENVIRONMENT = {"SECRETS_PATH": "/calibdb/stack", "AWS_REGION": "eu-central-1"}
 
 
-def test_cached_secrets_are_used_during_an_outage() -> None:
-    ssm, clock = Ssm(), Clock()
-    secrets = Secrets(lambda: ssm, "/calibdb/stack", clock)
-    before = secrets()
-    ssm.there = False
-    clock.now += SECRETS_TTL_S
-    assert secrets() == before
-    assert ssm.reads == 2
+@pytest.fixture(autouse=True)
+def ssm(monkeypatch: pytest.MonkeyPatch) -> Ssm:
+    ssm = Ssm()
+    monkeypatch.setattr("calibdb.store.aws.ssm", lambda _: ssm)
+    monkeypatch.setattr(secrets, "_known", {})
+    return ssm
+
+
+@pytest.fixture
+def pauses(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Pauses between reads, which take no time."""
     pauses: list[float] = []
+    monkeypatch.setattr("calibdb.store.secrets.time.sleep", pauses.append)
+    return pauses
+
+
+def test_secrets_are_read_again_after_five_minutes(ssm: Ssm) -> None:
+    begun = time.monotonic()
+    variables, until = secrets.with_secrets(ENVIRONMENT)
+    assert variables == {**ENVIRONMENT, "SESSION_SECRETS": "a,b", "CONTRIBUTOR_SECRET": "c"}
+    assert begun + 300 <= until <= time.monotonic() + 300
+    ssm.values["SESSION_SECRETS"] = "b,d,a"
+    assert secrets.with_secrets(ENVIRONMENT)[0]["SESSION_SECRETS"] == "b,d,a"
+
+
+def test_known_secrets_are_used_during_an_outage(
+    ssm: Ssm, pauses: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, _ = secrets.with_secrets(ENVIRONMENT)
+    ssm.there = False
+    assert secrets.with_secrets(ENVIRONMENT)[0] == before
+    assert ssm.reads == 2
+    monkeypatch.setattr(secrets, "_known", {})
     with pytest.raises(UnavailableError):
-        Secrets(lambda: ssm, "/calibdb/stack", clock, pauses.append)()
-    assert len(pauses) == MAX_ATTEMPTS - 1
+        secrets.with_secrets(ENVIRONMENT)
+    assert len(pauses) == secrets.MAX_ATTEMPTS - 1
     assert max(pauses) <= 3.0
 
 
@@ -58,21 +74,19 @@ CROWD, QUOTA = 300, 40  # functions that start within a second; calls in a secon
 GATEWAY_S = 25.0  # s that are left of the gateway's 30 once a function has been loaded
 
 
-def attempts(start: float, uniform: Callable[[float, float], float]) -> list[float]:
-    """Times of the reads of a function that starts now and is always refused."""
-    ssm, pauses = Ssm(), list[float]()
-    ssm.there = False
-    with pytest.raises(UnavailableError):
-        Secrets(lambda: ssm, "/calibdb/stack", Clock(), pauses.append, uniform)()
-    return list(itertools.accumulate(pauses, initial=start))
-
-
-@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
-def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(seed: int) -> None:
+def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(
+    ssm: Ssm, pauses: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """SSM refuses calls beyond its quota, a bucket of tokens that is refilled."""
-    rng = random.Random(seed)
-    starts = [number / CROWD for number in range(CROWD)]
-    reads = sorted((time, start) for start in starts for time in attempts(start, rng.uniform))
+    monkeypatch.setattr("calibdb.store.secrets.random", random.Random(0))
+    ssm.there = False
+    reads = []
+    for start in (number / CROWD for number in range(CROWD)):
+        pauses.clear()
+        with pytest.raises(UnavailableError):
+            secrets.with_secrets(ENVIRONMENT)
+        reads += [(time, start) for time in itertools.accumulate(pauses, initial=start)]
+    reads.sort()
     waited: dict[float, float] = {}
     left, filled, refused = float(QUOTA), 0.0, 0
     for now, start in reads:

@@ -3,25 +3,20 @@
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
-from unittest.mock import Mock
 
-import boto3
 import pytest
-from botocore.exceptions import ClientError
 
 from calibdb.access.tokens import ApiToken
-from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.errors import ConflictError, NotFoundError
 from calibdb.rules import session_rules
 from calibdb.schema import SessionDocument, SessionRequest
 from calibdb.store import Objects, Table, Tokens
-from calibdb.store.aws import S3Objects
 from calibdb.store.versions import Sessions
 from tests.helpers.service.stores import with_methods
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
 Change = Callable[[SessionDocument], tuple[SessionDocument, int]]
-REGION = "eu-central-1"
 REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
 
 
@@ -168,32 +163,3 @@ def test_tokens(table: Table, objects: Objects) -> None:
     table.delete("TOKEN#other", "META")
     assert tokens.reindex() == 1
     assert tokens.get("other") == other
-
-
-def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
-    client = boto3.client("s3", REGION)
-    objects = S3Objects(lambda: client, "bucket")
-    client.put_bucket_versioning(Bucket="bucket", VersioningConfiguration={"Status": "Enabled"})
-    for content in (b"1", b"2"):
-        objects.put("a/b", content)
-    objects.put("a/bc", b"3")
-    objects.delete(["a/b"])
-    assert objects.purge_all_versions(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
-    left = client.list_object_versions(Bucket="bucket")
-    assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
-
-
-def create_amid(*codes: str) -> bool:
-    """Create an object while S3 refuses with these codes, one for each attempt."""
-    refusals = [ClientError({"Error": {"Code": code}}, "PutObject") for code in codes]
-    client = Mock(put_object=Mock(side_effect=[*refusals, None]))
-    return S3Objects(lambda: client, "bucket").create("name", b"")
-
-
-def test_conflicting_object_write_is_retried() -> None:
-    """The other write may still fail: then neither would have written what both were told is there."""
-    undecided = ["ConditionalRequestConflict"] * 3
-    assert create_amid(*undecided) is True
-    assert create_amid(*undecided, "PreconditionFailed") is False
-    with pytest.raises(UnavailableError):
-        create_amid(*undecided * 9)

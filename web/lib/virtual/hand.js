@@ -8,18 +8,16 @@ import { interpolatePose, perturbPose, seededRandom, transformPoint } from "../p
  * @property {number} travel ms from one pose to the next
  * @property {number} tremor px at 1280 px image width, amplitude of a fast tremor, as the camera sees it
  * @property {number} sway px, amplitude of a slow one
- * @property {number} astray ms on a wrong way first: to where the target would be in a mirror
  * @property {number} blurred share of the frames that motion blurs
  */
 
 /** @type {Record<string, Kind>} */
 export const HANDS = {
-  quick: { travel: 100, tremor: 0, sway: 0, astray: 0, blurred: 0 },
-  still: { travel: 500, tremor: 0, sway: 0, astray: 0, blurred: 0 },
-  person: { travel: 1_200, tremor: 0.5, sway: 1, astray: 0, blurred: 0.1 },
-  shaky: { travel: 1_200, tremor: 2.5, sway: 4, astray: 0, blurred: 0.2 },
-  slow: { travel: 7_000, tremor: 0.5, sway: 1, astray: 0, blurred: 0.1 },
-  wrong: { travel: 1_200, tremor: 0.5, sway: 1, astray: 4_000, blurred: 0.1 },
+  quick: { travel: 100, tremor: 0, sway: 0, blurred: 0 },
+  still: { travel: 500, tremor: 0, sway: 0, blurred: 0 },
+  person: { travel: 1_200, tremor: 0.5, sway: 1, blurred: 0.1 },
+  shaky: { travel: 1_200, tremor: 2.5, sway: 4, blurred: 0.2 },
+  slow: { travel: 7_000, tremor: 0.5, sway: 1, blurred: 0.1 },
 };
 
 const TREMOR_HZ = 8.3; // Hz: physiological tremor has 8 to 12
@@ -37,8 +35,6 @@ export class Hand {
   #from;
   /** @type {Pose} */
   #to;
-  /** @type {Pose | null} where it goes once it has seen that it went astray */
-  #then = null;
   #started = -Infinity;
   #phases;
 
@@ -62,10 +58,7 @@ export class Hand {
   /** @param {Pose} target board → camera, squares @param {number} time ms */
   follow(target, time) {
     this.#from = this.#way(time);
-    const goal = this.#error > 0 ? perturbPose(target, this.#error, this.#random, this.#pivot) : target;
-    const astray = this.#kind.astray > 0;
-    this.#to = astray ? mirrored(goal, this.#pivot) : goal;
-    this.#then = astray ? goal : null;
+    this.#to = this.#error > 0 ? perturbPose(target, this.#error, this.#random, this.#pivot) : target;
     this.#started = time;
   }
 
@@ -76,8 +69,8 @@ export class Hand {
 
   /** True if the picture changes at this time. @param {number} time ms */
   moves(time) {
-    const { travel, astray, tremor, sway } = this.#kind;
-    return tremor > 0 || sway > 0 || time - this.#started < travel + (this.#then ? astray : 0);
+    const { travel, tremor, sway } = this.#kind;
+    return tremor > 0 || sway > 0 || time - this.#started < travel;
   }
 
   /** The blur of one frame, px; 0 for none. */
@@ -87,12 +80,7 @@ export class Hand {
 
   /** @param {number} time */
   #way(time) {
-    const { travel, astray } = this.#kind;
-    if (this.#then && time - this.#started > astray) {
-      [this.#from, this.#to, this.#then] = [this.#to, this.#then, null];
-      this.#started += astray;
-    }
-    const part = Math.min(1, (time - this.#started) / travel);
+    const part = Math.min(1, (time - this.#started) / this.#kind.travel);
     // Slow at both ends, as hands are.
     return interpolatePose(this.#from, this.#to, part * part * (3 - 2 * part));
   }
@@ -111,17 +99,4 @@ export class Hand {
     const turn = (tremor * wave(4, TREMOR_HZ - 1) + sway * wave(5, SWAY_HZ)) / this.#focal;
     return { rvec: [rvec[0] + turn, rvec[1] - turn, rvec[2]], tvec: [tvec[0] + shift[0], tvec[1] + shift[1], tvec[2]] };
   }
-}
-
-/**
- * Target in a mirror: on the other side, tilted the other way.
- * @param {Pose} pose
- * @param {number[]} pivot
- * @returns {Pose}
- */
-function mirrored(pose, pivot) {
-  const [x, y, z] = transformPoint(pose, pivot);
-  const rvec = [pose.rvec[0], -pose.rvec[1], -pose.rvec[2]];
-  const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, pivot);
-  return { rvec, tvec: [-x - turned[0], y - turned[1], z - turned[2]] };
 }

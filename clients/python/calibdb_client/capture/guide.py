@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -69,22 +69,6 @@ class Judgement:
     status: Status
     reason: str = ""
     hint: str = ""
-
-
-class Guide(Protocol):
-    """Chooser of targets and judge of views."""
-
-    def start(self) -> Flow[Status]:
-        """Begin."""
-
-    def target(self, skip: bool = False) -> Flow[Target]:
-        """Return the target; with `skip` one of another kind."""
-
-    def judge(self, target: Target, view: RecordedView) -> Flow[Judgement]:
-        """Judge a view."""
-
-    def finish(self, recording: Recording) -> Flow[CaptureResult]:
-        """Return the calibration of a capture that converged or was ended with views enough."""
 
 
 class ServiceGuide:
@@ -214,3 +198,7 @@ class OfflineGuide:
             error=estimate.uncertainty.rms if estimate.uncertainty else None,
             done=self._is_done,
         )
+
+
+Guide = ServiceGuide | OfflineGuide
+"""Chooser of targets and judge of views."""

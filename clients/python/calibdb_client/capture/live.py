@@ -11,7 +11,7 @@ import numpy as np
 
 from calibsolver.arrays import Array
 
-from ..board import Board
+from ..board import DESCRIBE_IT, Board
 from ..detection import Corners, Detector, recognise
 from ..errors import CaptureError
 from ..flows import Flow
@@ -234,6 +234,4 @@ def first_board(frames: Frames, feedback: Feedback) -> Board:
             observations = []
         if frame is None:
             break
-    raise CaptureError(
-        "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"
-    )
+    raise CaptureError(f"no board was recognised: {DESCRIBE_IT}")

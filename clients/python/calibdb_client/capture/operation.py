@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import io
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from ..board import Board
-from ..calibration import Maker
 from ..devices import platform_of
 from ..errors import CalibDBError, UsageError
 from ..flows import Flow
@@ -17,7 +16,7 @@ from ..key import UNNAMED, CameraKey
 from ..recording import Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Terminal, Window, has_window
-from .guide import Guide, OfflineGuide, ServiceGuide
+from .guide import Guide
 from .live import Live, first_board
 from .source import Frames, NamedSource, open_source
 
@@ -76,25 +75,16 @@ class Operation:
     feedback: Feedback
     recording: Recording
 
-    def offline(self, model: str, keep: Keep) -> Flow[CaptureResult]:
-        """Capture and calibrate on this machine."""
-        return self._run(lambda: OfflineGuide(self.recording, model), keep)
-
-    def by_service(
-        self, model: str, keep: Keep, make: Maker, consent: Mapping[str, str]
-    ) -> Flow[CaptureResult]:
-        """Capture by the guidance of the service, and have it calibrate."""
-        return self._run(lambda: ServiceGuide(self.recording, model, make, consent), keep)
-
     def close(self) -> None:
         """Close the window, and the camera if it was opened here."""
         self.feedback.close()
         self.frames.source.close()
 
-    def _run(self, guide: Callable[[], Guide], keep: Keep) -> Flow[CaptureResult]:
+    def run(self, guide: Callable[[Recording], Guide], keep: Keep) -> Flow[CaptureResult]:
+        """Capture by a guide, made from the recording, which calibrates."""
         live: Live | None = None
         try:
-            live = Live(self.frames, self.recording, guide(), self.feedback, keep)
+            live = Live(self.frames, self.recording, guide(self.recording), self.feedback, keep)
             return (yield from live.run())
         except CalibDBError as error:
             error.recording = live.recording if live else self.recording

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ..board import Board, opencv
+from ..board import DESCRIBE_IT, Board, opencv
 from ..detection import Corners, Detector, recognise
 from ..detection.recognition import MAX_LOOKED_AT
 from ..errors import CaptureError
@@ -123,8 +123,5 @@ def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
     if board is None:
         if not pictures:
             raise CaptureError(NO_IMAGE.format(path))
-        raise CaptureError(
-            f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "
-            "--dictionary"
-        )
+        raise CaptureError(f"no board was recognised in {path}: {DESCRIBE_IT}")
     return board

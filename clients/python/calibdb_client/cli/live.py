@@ -153,8 +153,4 @@ def _picture_rows(recording: Recording, result: CaptureResult) -> list[tuple[str
         fit, _ = fit_again(recording, result.calibration)
     except CaptureError:
         return []
-    why = dict(result.left_out)
-    return [
-        (row.source, str(row.corners), str(row.used), f"{row.rms:.3f}", why.get(row.source, row.remark))
-        for row in rows_of(recording, fit)
-    ]
+    return rows_of(recording, fit, result.left_out)

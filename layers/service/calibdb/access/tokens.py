@@ -162,17 +162,14 @@ class SessionIds:
     def sid_of(self, session_id: str) -> str | None:
         """Session of a session id, expired or not; None of a forged one."""
         try:
-            content, _ = self._serializer.loads(session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True)
+            return str(self._load(session_id)[0]["s"])
         except BadData:
             return None
-        return str(content["s"])
 
     def verify(self, session_id: str, origin: str | None) -> Ticket:
         """Claims of a session id; raises ForbiddenError if it is forged, expired or foreign."""
         try:
-            content, signed = self._serializer.loads(
-                session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True
-            )
+            content, signed = self._load(session_id)
         except BadData as error:
             raise ForbiddenError("The session id is not valid.") from error
         if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= SESSION_LIFETIME_S:
@@ -181,6 +178,10 @@ class SessionIds:
         if ticket.origin is not None and origin is not None and origin != ticket.origin:
             raise ForbiddenError("The session was opened by a page of another origin.", kind="origin")
         return ticket
+
+    def _load(self, session_id: str) -> Any:
+        """Content and time of a session id; raises BadData."""
+        return self._serializer.loads(session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True)
 
 
 def contributor(secret: str, address: str, token_id: str) -> str:

@@ -23,10 +23,11 @@ _ANDROID = re.compile(r"^camera2 (?=[01], facing )")
 # Owners name Apple's phones in any grammar: of such labels only known words are kept.
 _APPLE = re.compile(r"iphone|ipad|ipod|desk view|schreibtischansicht", re.IGNORECASE)
 _APPLE_DEVICE = re.compile(r"iphone|ipad|ipod", re.IGNORECASE)
-_MODEL_WORD = re.compile(r"[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air", re.IGNORECASE)
+_MODEL = r"[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air"
+_MODEL_WORD = re.compile(_MODEL, re.IGNORECASE)
 _APPLE_WORDS = re.compile(
     r"(?:iphone|ipad|ipod)|[0-9]+(?:\.[0-9]+)?mm|f/[0-9]+(?:\.[0-9]+)?|"
-    r"(?<![a-z0-9])(?:apple|[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air|ultra|wide|dual|triple|"
+    rf"(?<![a-z0-9])(?:apple|{_MODEL}|ultra|wide|dual|triple|"
     r"telephoto|truedepth|back|front|desk view)(?![a-z0-9])|schreibtischansicht|" + "|".join(CAMERA_WORDS),
     re.IGNORECASE,
 )

@@ -20,7 +20,7 @@ from calibdb.service import Service
 from calibdb.settings import Thresholds
 from calibdb.store import Store, StreamMode
 from calibsolver import FIT_VERSION, Board, CalibrationError, DeadlineError
-from calibsolver.consensus.mode import fitting_camera
+from calibsolver.consensus.comparison import fitting_camera
 
 MAX_ROUNDS = 5  # of one computation, for requests that came meanwhile
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # a caller has 25 s
@@ -84,7 +84,7 @@ class ModeRefit:
                 done = leases.release(self.mode, self._me)
                 if done:
                     return
-                leases.again(self.mode, self._me, until)
+                leases.take(self.mode, self._me, self.service.now, until)
         finally:
             if not done:
                 leases.abandon(self.mode, self._me)

@@ -53,11 +53,6 @@ class Session:
         }
         return cls(rules, views_of(rules.board, document.views), excluded)
 
-    @property
-    def active(self) -> list[View]:
-        """Views that are not excluded."""
-        return [view for i, view in enumerate(self.views) if i not in self.excluded]
-
     def estimate(self) -> Estimate:
         """Estimate the camera from the views."""
         return self.rules.estimate(self.views, self.excluded)
@@ -291,7 +286,8 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
     if document.target is None:
         return session.rules.next_target(session.views, session.estimate())
     target = TargetPose.from_dict(document.target)
-    return session.rules.redraw(target, session.active, current_camera(document, session.rules))
+    active = [view for i, view in enumerate(session.views) if i not in session.excluded]
+    return session.rules.redraw(target, active, current_camera(document, session.rules))
 
 
 def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecision) -> SessionDocument | None:

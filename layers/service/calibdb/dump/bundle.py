@@ -13,10 +13,10 @@ from typing import Any
 
 from calibdb.camera_key import public_label
 from calibdb.camera_key.system import system_of
-from calibdb.lookup.camera_match import LookupQuery, choose, resolve, unanswerable_reason
+from calibdb.lookup.camera_match import choose, resolve, unanswerable_reason
 from calibdb.lookup.transfer import build_answer
 from calibdb.schema import ConsensusDocument
-from calibdb.schema.fields import ImgSize
+from calibdb.schema.fields import ImgSize, StreamKey
 from calibdb.store import CameraRecords
 
 #: one platform of each system to which cameras can be attached
@@ -115,7 +115,8 @@ def _meanings(
     meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
     def found(label: str, platform: str, c: ConsensusDocument) -> str | None:
-        query = LookupQuery(label, platform, c.img_size, c.zoom, c.distortion_model)
+        mode = {"img_size": c.img_size, "zoom": c.zoom, "distortion_model": c.distortion_model}
+        query = StreamKey.model_validate({"camera": label, "platform": platform, **mode})
         if unanswerable_reason(query, private=private):
             return None
         resolved = resolve(read, query, private=private)

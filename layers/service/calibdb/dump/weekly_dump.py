@@ -8,6 +8,7 @@ import gzip
 import hashlib
 import io
 import itertools
+import secrets
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -43,9 +44,7 @@ class WeeklyDump:
     dumps: Dumps
     figures: Figures
     now: Callable[[], int]  # unix seconds
-    random_hex: Callable[[int], str]  # of a number of bytes
     seconds_left: Callable[[], float]  # of this invocation
-    max_part_bytes: int = MAX_PART_BYTES
 
     def run(self, *, force: bool = False) -> Dump | None:
         """Continue the dump that is due, or with `force` a new one; return it if it is complete."""
@@ -75,7 +74,7 @@ class WeeklyDump:
     def _new_draft(self) -> DumpDraft:
         now = self.now()
         name = datetime.fromtimestamp(now, UTC).strftime("%Y-%m-%dT%H%M%SZ")
-        return DumpDraft(name=name, started=now, key=self.random_hex(32))
+        return DumpDraft(name=name, started=now, key=secrets.token_hex(32))
 
     def _write_part(self, draft: DumpDraft) -> DumpDraft | None:
         if draft.complete:
@@ -87,7 +86,7 @@ class WeeklyDump:
         with gzip.GzipFile(fileobj=buffer, mode="wb", mtime=0) as lines:
             for name, content, withdrawn in self._documents(f"{draft.kind}/", draft.after):
                 late = self.seconds_left() < MIN_PART_S and after != draft.after
-                if late or written >= self.max_part_bytes:
+                if late or written >= MAX_PART_BYTES:
                     whole = False
                     break
                 after = name

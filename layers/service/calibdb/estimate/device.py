@@ -113,17 +113,6 @@ def _maker(identity: Identity, text: str, phone: str) -> str:
 
 
 _NAMED = (
-    *(
-        "Logitech",
-        "Microsoft",
-        "Creative",
-        "Intel",
-        "Stereolabs",
-        "Luxonis",
-        "Dell",
-        "HP",
-        "Lenovo",
-        "Orbbec",
-    ),
-    *("GoPro", "RunCam", "Caddx", "Foxeer", "DJI", "Apple", "Samsung", "Google"),
+    *_VENDORS.values(),
+    *("Lenovo", "GoPro", "RunCam", "Caddx", "Foxeer", "DJI", "Samsung", "Google"),
 )

@@ -12,7 +12,8 @@ from calibdb.estimate.crops import zoom_change
 from calibdb.estimate.device import Device, device_of
 from calibdb.estimate.evidence import Evidence, combine
 from calibdb.estimate.knowledge import Knowledge, default_knowledge
-from calibdb.estimate.population import Population
+from calibdb.estimate.population import QUANTILE, Population
+from calibdb.estimate.projection import distort_ray
 from calibdb.schema import FitRecord, Uncertainty
 from calibdb.schema.estimate import Estimate, EstimateBasis, EstimateInterval
 
@@ -20,7 +21,6 @@ _BASES: tuple[EstimateBasis, ...] = (
     *("calibrations", "views", "device", "other_size", "published", "family", "population"),
 )
 _ZEROS = {"rectilinear": 5, "rational": 8, "fisheye": 4}  # coefficients of a lens without distortion
-_QUANTILE = 1.645  # of the normal distribution, 95 %
 _PRIOR_WIDENING = 2.0
 _CROPPED_SIGMA = 0.25
 
@@ -71,12 +71,12 @@ def combine_evidence(
         stated = [*stated, replace(prior, sigma=_PRIOR_WIDENING * prior.sigma)]
     mean, total = combine(stated)
     best = min(stated, key=lambda e: _BASES.index(e.basis))
-    return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
+    return Distribution(mean, mean - QUANTILE * total, mean + QUANTILE * total, best)
 
 
 def _prior_only(prior: Evidence, population: Population, sigma: float) -> Distribution:
     below, above = population.median - population.low, population.high - population.median
-    reach = _QUANTILE * sigma
+    reach = QUANTILE * sigma
     return Distribution(
         prior.mean, prior.mean - math.hypot(below, reach), prior.mean + math.hypot(above, reach), prior
     )
@@ -99,9 +99,10 @@ def estimate(query: EstimateQuery) -> Estimate:
     best = result.best
     half_long = max(w, h) / 2
     angle = horizontal_angle(result.centre)
-    radius = _radius(math.radians(angle) / 2, best.lens)
-    lens = best.lens if radius is not None else ()
-    focal = half_long / (radius or math.tan(math.radians(angle) / 2))
+    half_angle = math.radians(angle) / 2
+    edge = distort_ray("fisheye", best.lens, half_angle, 0.0) if best.lens else None
+    lens = () if edge is None else best.lens
+    focal = half_long / (math.tan(half_angle) if edge is None else edge[0])
     hfov, low, high = (
         _angle_of_width(w, h, horizontal_angle(value)) for value in (result.centre, result.low, result.high)
     )
@@ -115,17 +116,6 @@ def estimate(query: EstimateQuery) -> Estimate:
         basis=best.basis,
         sources=best.sources,
     )
-
-
-def _radius(theta: float, lens: Sequence[float]) -> float | None:
-    """Distance of a ray from the centre, focal lengths, by a fisheye lens; None without or beyond it."""
-    if not lens:
-        return None
-    t = theta * theta
-    k1, k2, k3, k4 = lens
-    radius = theta * (1 + t * (k1 + t * (k2 + t * (k3 + t * k4))))
-    slope = 1 + t * (3 * k1 + t * (5 * k2 + t * (7 * k3 + t * 9 * k4)))
-    return radius if slope > 0 and radius > 0 else None
 
 
 def _angle_of_width(w: int, h: int, angle: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -59,9 +60,5 @@ def _weighted_median(evidence: Sequence[Evidence]) -> float:
     """Median by 1 / sigma: one very precise statement does not outweigh several others."""
     ordered = sorted(evidence, key=lambda e: e.mean)
     half = sum(1 / e.sigma for e in ordered) / 2
-    below = 0.0
-    for each in ordered:
-        below += 1 / each.sigma
-        if below >= half:
-            return each.mean
-    raise ValueError("no evidence")
+    below = itertools.accumulate(1 / e.sigma for e in ordered)
+    return next(e.mean for e, weight in zip(ordered, below, strict=True) if weight >= half)

@@ -21,7 +21,7 @@ _LENS_KINDS = ("phone_ultrawide", "phone_tele")
 _MIN_FAMILY = 4
 _POOLED_FREEDOM = 32  # weight of other makers, models
 _MIN_QUANTILE_COUNT = 19  # models from which the 5th and 95th percentiles are inside the sample
-_QUANTILE = 1.645  # of the normal distribution, 95 %
+QUANTILE = 1.645  # of the normal distribution, 95 %
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Population:
     @property
     def sigma(self) -> float:
         """Standard deviation of a normal distribution with this interval."""
-        return (self.high - self.low) / (2 * _QUANTILE)
+        return (self.high - self.low) / (2 * QUANTILE)
 
 
 def members(facts: Iterable[Fact], kind: str) -> list[Fact]:
@@ -63,7 +63,8 @@ def population(values: Sequence[float]) -> Population:
     """Predict the next model from those known, at least two."""
     ordered, n = sorted(values), len(values)
     if n >= _MIN_QUANTILE_COUNT:
-        return Population(n, statistics.median(ordered), _quantile(ordered, 0.05), _quantile(ordered, 0.95))
+        low, *_, high = statistics.quantiles(ordered, n=20)  # another member is below them with p = i / 20
+        return Population(n, statistics.median(ordered), low, high)
     mean, sd = statistics.mean(ordered), statistics.stdev(ordered)
     reach = _student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
     return Population(n, mean, mean - reach, mean + reach)
@@ -96,15 +97,8 @@ def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | 
 
 def _student_t(freedom: int) -> float:
     """95 % quantile of the t distribution, within 2 % from two degrees of freedom (Cornish-Fisher)."""
-    z = _QUANTILE
+    z = QUANTILE
     g1 = (z**3 + z) / 4
     g2 = (5 * z**5 + 16 * z**3 + 3 * z) / 96
     g3 = (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384
     return z + g1 / freedom + g2 / freedom**2 + g3 / freedom**3
-
-
-def _quantile(ordered: Sequence[float], p: float) -> float:
-    """Quantile below which another member is with probability `p` (Weibull's positions)."""
-    position = min(max(p * (len(ordered) + 1) - 1, 0.0), len(ordered) - 1.0)
-    below = min(int(position), len(ordered) - 2)
-    return ordered[below] + (position - below) * (ordered[below + 1] - ordered[below])

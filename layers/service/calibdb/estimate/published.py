@@ -63,8 +63,11 @@ def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
         # The deviation of such a row is that of its units, which other rows do not reduce.
         groups = {key: group for key, group in groups.items() if key[0]}
     mean, sigma = combine([_group(group, size) for group in groups.values()])
-    unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
-    return mean, math.hypot(sigma, unit)
+    return mean, math.hypot(sigma, _unit_sigma(facts))
+
+
+def _unit_sigma(facts: Sequence[Fact]) -> float:
+    return max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
 
 
 def _group(facts: Sequence[Fact], size: Size) -> Evidence:
@@ -77,10 +80,9 @@ def _group(facts: Sequence[Fact], size: Size) -> Evidence:
         values.append(fact.log_tan + change)
         sigmas.append(sigma)
     own = statistics.median(fact.sigma for fact in facts)
-    unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
     # Specifications repeat one number; calibrations are of different units.
     repeated = facts[0].what == "specification"
-    spread = own if repeated else math.hypot(own, unit) / math.sqrt(len(facts))
+    spread = own if repeated else math.hypot(own, _unit_sigma(facts)) / math.sqrt(len(facts))
     return Evidence("published", statistics.median(values), math.hypot(spread, statistics.median(sigmas)))
 
 

@@ -14,7 +14,7 @@ from calibdb.schema.health import CanaryStep
 _TIMEOUT_S = 20.0  # the first call starts a function
 _MAX_RESPONSE_BYTES = 1_000_000
 _KEY = {"camera": "calibDB canary", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
-_FOCAL, _CENTER = 950.0, (652.0, 351.0)  # px
+FOCAL, _CENTER = 950.0, (652.0, 351.0)  # px
 _MAX_FOCAL_ERROR = 0.02  # of the focal length
 _NOISE_PX = 0.1
 _TARGET_ERROR_PX = 0.02  # out of reach, so that the capture does not end and store a calibration
@@ -48,7 +48,7 @@ def _call(site: str, credential: str, method: str, path: str, body: Mapping[str,
         raise CanaryError(f"{method} {path}: no JSON") from error
 
 
-def _see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
+def see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
     """Ids and pixels of the default board's corners in each view."""
     noise = random.Random(seed)  # noqa: S311
     for n, (about_x, about_y) in enumerate(_TURNS):
@@ -60,8 +60,8 @@ def _see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
             # About y, then about x, and ten squares away.
             across, depth = x * cos_y, -x * sin_y
             down, depth = y * cos_x - depth * sin_x, y * sin_x + depth * cos_x + 9.0 + n % 3
-            u = _FOCAL * across / depth + _CENTER[0] + noise.gauss(0, _NOISE_PX)
-            v = _FOCAL * down / depth + _CENTER[1] + noise.gauss(0, _NOISE_PX)
+            u = FOCAL * across / depth + _CENTER[0] + noise.gauss(0, _NOISE_PX)
+            v = FOCAL * down / depth + _CENTER[1] + noise.gauss(0, _NOISE_PX)
             if 0 <= u <= 1279 and 0 <= v <= 719:
                 ids.append(corner)
                 points.append([u, v])
@@ -79,15 +79,15 @@ def steps(site: str, token: str) -> Iterator[CanaryStep]:
     capture = functools.partial(_call, site, page("POST", "/v1/auth")["session_id"])
     state = capture("POST", "/v1/session", {**_KEY, "target_error": _TARGET_ERROR_PX})
     try:
-        for ids, points in _see_board(seed=len(_TURNS)):
+        for ids, points in see_board(seed=len(_TURNS)):
             yield "pose"
             index = capture("GET", "/v1/session/pose")["index"]
             yield "view"
             state = capture("POST", "/v1/session/views", {"index": index, "ids": ids, "points": points})
         yield "result"
         (fx, *_), (_, fy, _), _ = state["calibration"]["camera_matrix"]
-        if not all(abs(focal / _FOCAL - 1) < _MAX_FOCAL_ERROR for focal in (fx, fy)):
-            raise CanaryError(f"fx {fx}, fy {fy} px, not {_FOCAL} px")
+        if not all(abs(focal / FOCAL - 1) < _MAX_FOCAL_ERROR for focal in (fx, fy)):
+            raise CanaryError(f"fx {fx}, fy {fy} px, not {FOCAL} px")
         if state["calibration_id"] is not None:
             raise CanaryError("the capture ended, and stored a calibration")
     finally:

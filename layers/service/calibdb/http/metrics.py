@@ -15,11 +15,13 @@ from calibdb.errors import DeniedReadError
 InternalHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
 
 NAMESPACE = "calibDB"
+COUNTS = (
+    *("Lookups", "Misses", "Redirects", "Sessions", "Views", "Refusals"),
+    *("Calibrations", "ViewsPerSession", "Errors", "ComputeTimeouts", "DeniedReads", "UnknownEdges"),
+)
 #: each metric costs as much in a month as 150,000 lookups
 UNITS = {
-    **dict.fromkeys(("Lookups", "Misses", "Redirects", "Sessions", "Views", "Refusals"), "Count"),
-    **dict.fromkeys(("Calibrations", "ViewsPerSession", "Errors", "ComputeTimeouts"), "Count"),
-    **dict.fromkeys(("DeniedReads", "UnknownEdges"), "Count"),
+    **dict.fromkeys(COUNTS, "Count"),
     "FitTime": "Milliseconds",
 }
 #: also counted by their reason

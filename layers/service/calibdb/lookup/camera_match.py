@@ -10,12 +10,14 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from pydantic import ValidationError
+
 from calibdb.camera_key import Identity, identify
 from calibdb.errors import NotFoundError
 from calibdb.lookup.transfer import bracketing_zooms, build_answer, closeness, interpolate_zoom
 from calibdb.schema import Calibration, CheckRequest, ConsensusDocument, LookupAnswer, LookupRequest
-from calibdb.schema.fields import DISTORTION_MODELS, size_text, zoom_text
-from calibdb.schema.lookup import CROPPED, Reason
+from calibdb.schema.fields import CROPPED, StreamKey, size_text, zoom_text
+from calibdb.schema.lookup import Reason
 from calibdb.store import CameraRecords, Store, StreamMode
 
 VIRTUAL = "This is a virtual camera: a program without a lens of its own."
@@ -23,8 +25,6 @@ AMBIGUOUS = "Many cameras have this name. Send a label with a USB id, or a platf
 SEVERAL = "Several cameras have this name. Send the USB id, which Chromium gives, or calibrate the camera."
 RESIZED = "The browser crops this stream; open it with resizeMode: none."
 
-_PATH_SIZE = re.compile("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")
-_PATH_ZOOM = re.compile(r"[0-9]{1,7}(\.[0-9]{1,6})?")
 _DIGEST = re.compile("[0-9a-f]{32}")
 _NO_CALIBRATION = "The database has no reliable calibration of this camera."
 _MISS_DETAILS = {
@@ -34,41 +34,6 @@ _MISS_DETAILS = {
     "few_contributors": "The calibrations of this camera come from too few contributors.",
     "imprecise": "The calibrations of this camera agree, and leave it too uncertain.",
 }
-
-
-@dataclass(frozen=True)
-class LookupQuery:
-    """Camera, size, zoom and model that are looked up."""
-
-    camera: str
-    platform: str
-    img_size: tuple[int, int]
-    zoom: float
-    model: str
-    resize_mode: str | None = None
-
-    @property
-    def identity(self) -> Identity:
-        """Identity of the camera."""
-        return identify(self.camera, self.platform)
-
-    @classmethod
-    def of(cls, request: LookupRequest | CheckRequest) -> LookupQuery:
-        """Query of a request."""
-        camera = request.camera, request.platform, request.img_size, request.zoom
-        return cls(*camera, request.distortion_model, request.resize_mode)
-
-    @classmethod
-    def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
-        """Parse the end of a path; None unless it is the only address of its answer."""
-        model = file.removesuffix(".json")
-        match = _PATH_SIZE.fullmatch(size)
-        if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
-            return None
-        img_size = int(match[1]), int(match[2])
-        if size_text(img_size) != size or zoom_text(float(zoom)) != zoom:
-            return None
-        return cls("", "", img_size, float(zoom), model)
 
 
 @dataclass(frozen=True)
@@ -120,22 +85,22 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 
-def unanswerable_reason(query: LookupQuery, *, private: bool) -> str | None:
+def unanswerable_reason(query: StreamKey, *, private: bool) -> str | None:
     """Reason why nothing can be said of such a camera, else None."""
-    if query.identity.virtual:
+    if identify(query.camera, query.platform).virtual:
         return VIRTUAL
     if query.resize_mode == CROPPED:
         return RESIZED
-    return AMBIGUOUS if query.identity.ambiguous and not private else None
+    return AMBIGUOUS if identify(query.camera, query.platform).ambiguous and not private else None
 
 
-def resolve(read: Callable[[str], CameraRecords], query: LookupQuery, *, private: bool) -> CameraMatch:
+def resolve(read: Callable[[str], CameraRecords], query: StreamKey, *, private: bool) -> CameraMatch:
     """Resolve a query to the key under which its camera is known (docs/camera-keys.md, "In which order").
 
     `private`: the database is that of one person, who has few cameras. `read` is called at most twice, and
     once if the camera is known under its own key and no other of its name is well known.
     """
-    search = _Search(read, query, query.identity, private)
+    search = _Search(read, query, identify(query.camera, query.platform), private)
     own, has_id, is_distinct = search.own, search.identity.usb_id is not None, search.identity.distinct
     if own.has_answer:
         return own if private or has_id or not is_distinct else _best_supported(search)
@@ -147,7 +112,7 @@ def resolve(read: Callable[[str], CameraRecords], query: LookupQuery, *, private
 @dataclass(frozen=True)
 class _Search:
     read: Callable[[str], CameraRecords]
-    query: LookupQuery
+    query: StreamKey
     identity: Identity
     private: bool
 
@@ -161,7 +126,7 @@ class _Search:
 
     def match(self, key: str, known: CameraRecords) -> CameraMatch:
         query = self.query
-        choice = choose(known.consensuses, query.img_size, query.zoom, query.model)
+        choice = choose(known.consensuses, query.img_size, query.zoom, query.distortion_model)
         return CameraMatch(key, known.consensuses, choice)
 
     def prefer(self, key: str, known: CameraRecords) -> CameraMatch:
@@ -225,7 +190,7 @@ class LookupResult:
 
 def find(
     read: Callable[[str], CameraRecords],
-    wanted: LookupQuery,
+    wanted: StreamKey,
     *,
     private: bool,
     compute: Callable[[str, tuple[int, int]], ConsensusDocument | None],
@@ -234,7 +199,7 @@ def find(
 
     `read`, `private`: as of `resolve`. `compute`: computes the model of a camera key at a size.
     """
-    size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
+    size, zoom, model = wanted.img_size, wanted.zoom, wanted.distortion_model
     why = unanswerable_reason(wanted, private=private)
     if why is not None:
         return LookupResult("", None, detail=why)
@@ -252,16 +217,28 @@ def find(
     return LookupResult(resolved.key, None, reason, detail, resolved.known)
 
 
-def find_by_digest(
-    store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
-) -> LookupResult | None:
-    """Result of a lookup by an alias's digest; None if it is unknown."""
+def find_by_digest(store: Store, digest: str, address: str, *, private: bool) -> LookupResult | None:
+    """Result of a lookup by an alias's digest and `<size>/<zoom>/<model>.json`; None if it is unknown."""
+    wanted = _parse_address(address)
     alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
     if wanted is None or alias is None:
         return None
-    query = replace(wanted, camera=alias.label, platform=alias.platform)
+    query = wanted.model_copy(update={"camera": alias.label, "platform": alias.platform})
     read = functools.cache(store.cameras.known)
     return find(read, query, private=private, compute=lambda _key, _size: None)
+
+
+def _parse_address(address: str) -> LookupRequest | None:
+    """Request of an alias; None unless this is the only address of its answer."""
+    size, zoom, file = address.split("/")
+    model = file.removesuffix(".json")
+    fields = {"camera": "-", "platform": "-", "img_size": size, "zoom": zoom, "distortion_model": model}
+    try:
+        wanted = LookupRequest.model_validate(fields)
+    except ValidationError:
+        return None
+    same = f"{size_text(wanted.img_size)}/{zoom_text(wanted.zoom)}/{wanted.distortion_model}.json"
+    return wanted if same == address else None
 
 
 def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple[StreamMode, Calibration]:
@@ -269,10 +246,9 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
 
     As a lookup would find it, but only at the size and zoom of the views.
     """
-    query = LookupQuery.of(request)
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
-    if unanswerable_reason(query, private=private) is None:
-        resolved = resolve(store.cameras.known, query, private=private)
+    if unanswerable_reason(request, private=private) is None:
+        resolved = resolve(store.cameras.known, request, private=private)
         mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
         consensus = consensus_of_model(here, model) or (store.refit.consensus(mode, model) if here else None)

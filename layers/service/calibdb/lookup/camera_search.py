@@ -9,7 +9,7 @@ from calibdb.camera_key.names import is_maker, words
 from calibdb.camera_key.usb_vendors import vendor_of, vendor_words
 from calibdb.rules.contributed_name import mode_names
 from calibdb.schema import Calibration, ConsensusDocument
-from calibdb.schema.cameras import CameraEntry, CameraMode, CameraSize
+from calibdb.schema.cameras import CalibratedMode, CameraEntry, CameraMode, CameraSize, NamedCamera
 from calibdb.store import Store, StreamMode
 
 SizeAndZoom = tuple[tuple[int, int], float]
@@ -91,29 +91,39 @@ def camera_entry(
     key: str, name: str, consensuses: Sequence[ConsensusDocument], min_calibrations: int
 ) -> CameraEntry:
     """Camera as a search shows it; `name`: its normalised label."""
-    camera, platform = display_name(name, consensuses)
     sizes = []
-    for (img_size, zoom), here in group_by_mode(consensuses):
+    for _, here in group_by_mode(consensuses):
         best = best_consensus(here)
         calibration = best.calibration
         sizes.append(
             CameraSize(
-                img_size=img_size,
-                zoom=zoom,
+                **dict(_calibrated_mode(here, min_calibrations)),
                 models=tuple(c.distortion_model for c in here),
-                calibrations=max(c.total for c in here),
-                contributors=calibration.contributors if calibration else 0,
-                agreeing=count_agreeing(best),
-                required=min_calibrations,
                 reliable=best.reliable,
                 fx=calibration and calibration.camera_matrix[0][0],
                 uncertainty=calibration and calibration.uncertainty.rms,
                 calibration_time=calibration and calibration.calibration_time,
             )
         )
+    return CameraEntry(**dict(named_camera(key, name, consensuses)), sizes=tuple(sizes))
+
+
+def named_camera(key: str, name: str, consensuses: Sequence[ConsensusDocument]) -> NamedCamera:
+    """Camera by its names; `name`: its normalised label."""
+    camera, platform = display_name(name, consensuses)
     own = usb_id(consensuses)
-    return CameraEntry(
-        key=key, camera=camera, platform=platform, usb_id=own, vendor=vendor_of(own), sizes=tuple(sizes)
+    return NamedCamera(key=key, camera=camera, platform=platform, usb_id=own, vendor=vendor_of(own))
+
+
+def _calibrated_mode(here: Sequence[ConsensusDocument], min_calibrations: int) -> CalibratedMode:
+    best = best_consensus(here)
+    return CalibratedMode(
+        img_size=best.img_size,
+        zoom=best.zoom,
+        calibrations=max(c.total for c in here),
+        contributors=best.calibration.contributors if best.calibration else 0,
+        agreeing=count_agreeing(best),
+        required=min_calibrations,
     )
 
 
@@ -135,12 +145,7 @@ def camera_mode(
     groups = behind.groups if behind else ()
     members, names = store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)
     return CameraMode(
-        img_size=mode.img_size,
-        zoom=mode.zoom,
-        calibrations=max(c.total for c in consensuses),
-        contributors=best.calibration.contributors if best.calibration else 0,
-        agreeing=count_agreeing(best),
-        required=min_calibrations,
+        **dict(_calibrated_mode(consensuses, min_calibrations)),
         reason=None if best.reliable else best.reason,
         groups=groups,
         group_names=mode_names([[names[one] for one in group if one in names] for group in groups]),

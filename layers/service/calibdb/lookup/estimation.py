@@ -10,11 +10,11 @@ from calibdb.estimate.device import device_of
 from calibdb.estimate.estimator import EstimateQuery, estimate
 from calibdb.estimate.evidence import Evidence
 from calibdb.estimate.own import calibrated, other_size, reported, seen
-from calibdb.lookup.projection import axis_focal, distort_ray
+from calibdb.estimate.projection import axis_focal, distort_ray
 from calibdb.lookup.transfer import closeness
 from calibdb.schema import Calibration, ConsensusDocument, FittingGroup, LookupRequest
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.lookup import CROPPED
+from calibdb.schema.fields import CROPPED
 
 _PINHOLES = ("rectilinear", "rational")
 _FOCAL_SIGMA = 0.02  # of a photograph's focal length, which EXIF data round

@@ -1,7 +1,7 @@
 """Reports of lookups: misses, counted by camera, and names of cameras, which become aliases."""
 
 import threading
-from collections import Counter, OrderedDict
+from collections import Counter
 from collections.abc import Callable
 
 from calibdb.camera_key import identify, public_label, public_platform
@@ -43,20 +43,19 @@ class AliasFilter:
     """Aliases of the last day. Thread-safe."""
 
     def __init__(self) -> None:
-        self._seen: OrderedDict[tuple[str, str], int] = OrderedDict()
+        self._day = 0
+        self._seen: set[tuple[str, str]] = set()
         self._lock = threading.Lock()
 
     def admit(self, name: tuple[str, str], now: float) -> bool:
         """True for the first lookup under a label and platform on a day."""
         day = int(now) // _DAY_S
         with self._lock:
-            if self._seen.get(name) == day:
-                return False
-            self._seen[name] = day
-            self._seen.move_to_end(name)
-            if len(self._seen) > _MAX_ALIASES:
-                self._seen.popitem(last=False)
-            return True
+            if day != self._day or len(self._seen) >= _MAX_ALIASES:
+                self._day, self._seen = day, set()
+            is_new = name not in self._seen
+            self._seen.add(name)
+            return is_new
 
 
 def miss_report(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from calibdb.lookup.projection import axis_focal, distort_ray, rays_in_view
+from calibdb.estimate.projection import axis_focal, distort_ray, rays_in_view
 from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
 from calibdb.schema.calibration import Relation
 from calibdb.schema.fields import Row

@@ -6,7 +6,6 @@ from calibdb.errors import ConflictError
 from calibdb.rules.rig_rules import MIN_AGREEING_VIEWS
 from calibdb.rules.rig_state import Rig, named, state, unit
 from calibdb.schema import (
-    Calibration,
     RigCalibrationDocument,
     RigEstimateDocument,
     RigResult,
@@ -75,14 +74,7 @@ def _result(rig: Rig, fit: RigFit, endings: Sequence[EndingDocument], now: int) 
         rig_id=rig.document.rig,
         cameras=ids,
         calibrations=tuple(
-            Calibration.of(
-                record,
-                id=ids[position],
-                camera=session.camera,
-                platform=session.platform,
-                zoom=session.zoom,
-                calibration_time=now,
-            )
+            session.calibrated(record, ids[position], now)
             for (position, session), record in zip(rig.present, fit.cameras, strict=True)
         ),
         extrinsics=_extrinsics(fit, scale),

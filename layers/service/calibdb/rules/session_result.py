@@ -8,7 +8,6 @@ from pydantic import JsonValue
 
 from calibdb.schema import (
     BatchAnswer,
-    Calibration,
     CalibrationDocument,
     Finish,
     SessionDocument,
@@ -102,14 +101,8 @@ def _members(document: SessionDocument) -> dict[str, Any]:
     finish, estimate = document.finish, document.estimate
     status: Literal["capturing", "converged"] = "capturing" if finish is None else "converged"
     calibration_id = finish.calibration_id if finish else None
-    fit = estimate.fit and Calibration.of(
-        estimate.fit,
-        id=calibration_id,
-        camera=document.camera,
-        platform=document.platform,
-        zoom=document.zoom,
-        calibration_time=finish.time if finish else estimate.time,
-    )
+    time = finish.time if finish else estimate.time
+    fit = estimate.fit and document.calibrated(estimate.fit, calibration_id, time)
     return {
         **dict(document),  # which has more members
         "status": status,

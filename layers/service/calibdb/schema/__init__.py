@@ -13,7 +13,7 @@ from calibdb.schema.cameras import (
     CameraDetail,
     CameraList,
 )
-from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView, ComparisonAnswer, GivenCalibration
+from calibdb.schema.checks import CheckAnswer, CheckRequest, ComparisonAnswer, GivenCalibration
 from calibdb.schema.documents import (
     CalibrationDocument,
     ConsensusDocument,
@@ -27,23 +27,20 @@ from calibdb.schema.documents import (
     VoteDocument,
     Votes,
 )
-from calibdb.schema.estimate import Estimate
 from calibdb.schema.export import FORMATS, ConvertRequest, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.health import DeepHealth, HealthProblem
 from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCamera
 from calibdb.schema.managed_token import (
-    HourlyLimits,
     ManagedToken,
     RotationRequest,
     TokenChange,
     TokenCreated,
-    TokenFacts,
     TokenRequest,
     TokenRotated,
     UsageAnswer,
 )
-from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
+from calibdb.schema.problem import LookupProblem, Problem
 from calibdb.schema.refit import (
     BackfillAnswer,
     BackfillBatch,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -25,15 +25,6 @@ from calibdb.schema.licence import Licensed
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
-
-
-Systematic = Annotated[
-    float | None,
-    Field(
-        description="Variance of the parameters that the views show / variance that independent noise of the "
-        "corners would give; 1: nothing systematic. null: made before it was estimated."
-    ),
-]
 
 
 class Uncertainty(Open):
@@ -70,25 +61,35 @@ class Intrinsics(Open):
     distortion_model: LensModel
 
 
-class FitRecord(Intrinsics):
-    """One fit of one model, as the solver records it."""
+class Fitted(Intrinsics):
+    """Camera by a fit, and its errors."""
 
     avg_reprojection_error: float = Field(description="rms over all measurements, px")
-    uncertainty: Uncertainty
-    systematic: Systematic = None
+    uncertainty: Uncertainty = Field(
+        description="Predicted error of a projection over the image, px; null before the first fit."
+    )
+    systematic: float | None = Field(
+        None,
+        description="Variance of the parameters that the views show / variance that independent noise of the "
+        "corners would give; 1: nothing systematic. null: made before it was estimated.",
+    )
+
+
+class FitRecord(Fitted):
+    """One fit of one model, as the solver records it."""
+
     board_shape: BoardShape | None = Field(
         None, exclude_if=is_none, description="Estimated shape of the board; missing: as drawn."
     )
 
 
-class Calibration(Intrinsics):
+class Calibration(Fitted):
     """Calibration of a camera: the fit, its camera, and how far to trust it.
 
     Saved as a file, a rectilinear or rational one loads in WPILib's WPIcal: top-level `camera`, nested
     `camera_matrix`, flat coefficients.
     """
 
-    avg_reprojection_error: float = Field(description="rms over all measurements, px")
     id: str | None = Field(
         description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`."
     )
@@ -99,11 +100,7 @@ class Calibration(Intrinsics):
     contributors: int = Field(description="Number of their contributors.")
     reliable: bool = Field(description="True if enough calibrations agree, or votes confirm it.")
     exact_size: bool = Field(description="false: the closest known size, not the requested one.")
-    uncertainty: Uncertainty = Field(
-        description="Predicted error of a projection over the image, px; null before the first fit."
-    )
     calibration_time: UnixTime
-    systematic: Systematic = None
     spread: float | None = Field(
         None,
         description="px rms over the image between the calibrations that agree, after the best rotation.",

@@ -16,13 +16,9 @@ from calibdb.schema.fields import (
     TrackZoom,
     UnixTime,
 )
-from calibdb.schema.lookup import Reason
+from calibdb.schema.lookup import Flag, Reason
 
 MAX_CAMERAS = 50
-
-
-def _switch(value: object) -> object:
-    return {"true": True, "1": True, "false": False, "0": False}.get(str(value).lower(), value)
 
 
 def _whole(value: object) -> object:
@@ -39,7 +35,7 @@ class CamerasRequest(Deferred):
         max_length=128,
         description="Words of a name, a USB id, or a USB vendor; none: all cameras but simulated ones.",
     )
-    reliable: Annotated[bool | None, BeforeValidator(_switch)] = Field(
+    reliable: Annotated[bool | None, Flag] = Field(
         None, description="`true`: cameras with a reliable calibration at some size; `false`: the others."
     )
     limit: Annotated[int, Field(ge=1, le=MAX_CAMERAS), BeforeValidator(_whole)] = Field(
@@ -50,16 +46,21 @@ class CamerasRequest(Deferred):
     )
 
 
-class CameraSize(Open):
-    """Calibrations and consensus of a camera at one size and zoom."""
+class CalibratedMode(Open):
+    """Numbers of calibrations of a camera at one size and zoom."""
 
     img_size: ImgSize
     zoom: TrackZoom
-    models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     calibrations: int = Field(description="Calibrations that count, agreeing or not.")
     contributors: int = Field(description="Of those that agree.")
     agreeing: int = Field(description="How many calibrations agree.")
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
+
+
+class CameraSize(CalibratedMode):
+    """Calibrations and consensus of a camera at one size and zoom."""
+
+    models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     reliable: bool = Field(description="True if lookups return it, for at least one model.")
     fx: float | None = Field(description="px; null: no consensus yet.")
     uncertainty: float | None = Field(
@@ -105,15 +106,9 @@ class CameraMember(Open):
     in_group: bool = Field(description="It is one of those that agree.")
 
 
-class CameraMode(Open):
+class CameraMode(CalibratedMode):
     """A camera at one size and zoom."""
 
-    img_size: ImgSize
-    zoom: TrackZoom
-    calibrations: int = Field(description="Number of calibrations.")
-    contributors: int = Field(description="Number of contributors.")
-    agreeing: int = Field(description="How many calibrations agree.")
-    required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
     groups: tuple[tuple[str, ...], ...] = Field(description="Calibrations that agree, largest group first.")
     group_names: tuple[str | None, ...] = Field(

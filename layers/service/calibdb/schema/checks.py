@@ -7,17 +7,16 @@ from pydantic import Field
 from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.calibration import Calibration, Intrinsics
 from calibdb.schema.documents import Votes
-from calibdb.schema.fields import Coefficients, Open, StreamRequest
+from calibdb.schema.fields import Coefficients, Open, StreamKey
 from calibdb.schema.licence import Licensed
-from calibdb.schema.lookup import ResizeMode
-from calibdb.schema.observed_corners import ObservedCorners
+from calibdb.schema.observed_corners import MAX_VIEWS, ObservedCorners
 
-MAX_VIEWS = 5
 MAX_COEFFICIENTS = 14  # of a distortion model
 
 
-class CheckView(ObservedCorners):
-    """One frame: the board corners seen."""
+Fit = Annotated[
+    Literal["fits", "does_not_fit"], Field(description="`fits` if the consensus explains these views.")
+]
 
 
 class GivenCalibration(Intrinsics):
@@ -26,14 +25,11 @@ class GivenCalibration(Intrinsics):
     distortion_coefficients: Annotated[Coefficients, Field(max_length=MAX_COEFFICIENTS)]
 
 
-class CheckRequest(StreamRequest, Licensed):
+class CheckRequest(StreamKey, Licensed):
     """A camera key and fresh views."""
 
-    resize_mode: ResizeMode | None = Field(
-        None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
-    )
     board: DescribedBoard = Board()
-    views: tuple[CheckView, ...] = Field(
+    views: tuple[ObservedCorners, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )
     calibration: GivenCalibration | None = Field(
@@ -46,7 +42,7 @@ class CheckRequest(StreamRequest, Licensed):
 class CheckAnswer(Open):
     """Result of a check: whether the stored consensus fits these views."""
 
-    fits: Literal["fits", "does_not_fit"] = Field(description="`fits` if the consensus explains these views.")
+    fits: Fit
     error: float = Field(description="px rms of the views under the consensus; only poses are fitted.")
     expected: float = Field(description="px rms of these views under their own fit.")
     counted: bool = Field(
@@ -60,7 +56,7 @@ class CheckAnswer(Open):
 class ComparisonAnswer(Open):
     """Result of a check of a given calibration: how far it is from a fit of these views."""
 
-    fits: Literal["fits", "does_not_fit"] = Field(description="`fits` if the consensus explains these views.")
+    fits: Fit
     error: float | None = Field(
         description="px rms of the views under the calibration; null: it explains none."
     )

@@ -79,6 +79,17 @@ class CameraDocument(Open, Licensed):
         """Key of the camera by today's rules."""
         return current_key(self.camera_key, self.camera, self.platform)
 
+    def calibrated(self, fit: FitRecord, name: str | None, time: int) -> Calibration:
+        """Calibration of the camera by one fit; `name`: its id."""
+        return Calibration.of(
+            fit,
+            id=name,
+            camera=self.camera,
+            platform=self.platform,
+            zoom=self.zoom,
+            calibration_time=time,
+        )
+
 
 class GivenDocument(CameraDocument):
     """Document that counts once per contributor."""
@@ -135,14 +146,7 @@ class CalibrationDocument(GivenDocument, CaptureDocument):
 
     def answer(self) -> Calibration:
         """Calibration of the session's own model, as the API returns it."""
-        return Calibration.of(
-            self.fits[self.distortion_model],
-            id=self.id,
-            camera=self.camera,
-            platform=self.platform,
-            zoom=self.zoom,
-            calibration_time=self.time,
-        )
+        return self.calibrated(self.fits[self.distortion_model], self.id, self.time)
 
 
 class Votes(Open):

@@ -10,14 +10,19 @@ from calibdb.schema.licence import Licence
 DumpedKind = Literal["calibrations", "votes"]
 
 
-class DumpFile(Open):
-    """One part of a dump: JSON Lines, one document a line, compressed with gzip."""
+class PublicFile(Open):
+    """A file for everyone."""
 
     name: str = Field(description="Name of the file under `/dumps/`.")
-    kind: DumpedKind = Field(description="Kind of its documents.")
-    count: int = Field(description="Number of documents, one per line.")
     size: int = Field(description="Bytes.")
     sha256: str = Field(pattern="^[0-9a-f]{64}$", description="SHA-256 of the file as downloaded.")
+
+
+class DumpFile(PublicFile):
+    """One part of a dump: JSON Lines, one document a line, compressed with gzip."""
+
+    kind: DumpedKind = Field(description="Kind of its documents.")
+    count: int = Field(description="Number of documents, one per line.")
 
 
 class DumpCounts(Open):
@@ -65,13 +70,10 @@ class WantedCamera(Open):
     calibrations: int
 
 
-class BundleFile(Open):
+class BundleFile(PublicFile):
     """The bundle that was written with a dump, for lookups without a network."""
 
-    name: str = Field(description="Name of the file under `/dumps/`.")
     cameras: int
-    size: int = Field(description="Bytes.")
-    sha256: str = Field(pattern="^[0-9a-f]{64}$")
 
 
 class Statistics(Open):

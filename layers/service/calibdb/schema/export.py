@@ -1,5 +1,6 @@
 """Query of an export, and conversion of a calibration file."""
 
+import re
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
@@ -38,27 +39,22 @@ FormatName = Literal[
 FORMATS: tuple[str, ...] = get_args(FormatName)
 MAX_FILE_CHARACTERS = 100_000  # of a file with one camera: most have a few hundred
 MAX_FILE_CAMERAS = 64
+_NUMBER = re.compile("[0-9]{1,9}")
 
 
-def _numbers(separator: str, count: int) -> BeforeValidator:
+def _numbers(separator: str, count: int | None = None) -> BeforeValidator:
+    """Parse whole numbers; any number of them are the indices of views."""
+    what = "indices of views" if count is None else f"{count} whole numbers"
+
     def parse(value: Any) -> Any:
         if not isinstance(value, str):
             return value
         parts = value.split(separator)
-        if len(parts) != count or not all(p.isascii() and p.isdigit() and len(p) <= 5 for p in parts):
-            raise ValueError(f"must be {count} whole numbers with {separator!r} between them")
+        if count not in (None, len(parts)) or not all(_NUMBER.fullmatch(part) for part in parts):
+            raise ValueError(f"must be {what} with {separator!r} between them")
         return tuple(int(part) for part in parts)
 
     return BeforeValidator(parse)
-
-
-def _indices(value: Any) -> Any:
-    if not isinstance(value, str):
-        return value
-    parts = value.split(",")
-    if not all(p.isascii() and p.isdigit() and len(p) <= 9 for p in parts):
-        raise ValueError("must be indices of views with ',' between them")
-    return tuple(int(part) for part in parts)
 
 
 MIN_SIDE_PX = 64
@@ -87,7 +83,7 @@ class ExportQuery(Open):
         BeforeValidator(lambda v: int(v) if str(v) in ("0", "90", "180", "270") else v),
     ] = Field(0, description="Degrees, clockwise, after that.")
     mirror: bool = Field(False, description="True: left and right are swapped, as the last step.")
-    without: Annotated[tuple[Index, ...], BeforeValidator(_indices)] = Field(
+    without: Annotated[tuple[Index, ...], _numbers(",")] = Field(
         (),
         max_length=64,
         description=(

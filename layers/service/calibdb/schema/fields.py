@@ -3,7 +3,7 @@
 import math
 import threading
 import unicodedata
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
     AfterValidator,
@@ -197,29 +197,40 @@ DeviceModel = Annotated[
     Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][\w ()+.,&-]*$"),
     BeforeValidator(_in_one_line),
 ]
-DEVICE_TEXT = (
-    "Model identifier of the phone, `iPhone17,3`, if label and platform do not name the model. It becomes a "
-    "part of `platform`, and so of the camera's key."
-)
-
-
-def join_device(request: Any) -> Any:
-    """Make the `device` of a request a part of its `platform`; a validator of the whole model."""
-    if request.device is not None:
-        joined = with_device(request.platform, request.device)
-        if len(joined) <= MAX_LABEL:
-            object.__setattr__(request, "platform", joined)  # the model is frozen from here on
-    return request
 
 
 class StreamRequest(Strict):
     """Request about one stream of a camera and the model of its lens."""
 
-    camera: Label = Field(description="`MediaStreamTrack.label`")
+    camera: Label = Field(description="`MediaStreamTrack.label` of the camera.")
     platform: Label = Field(description="The parenthesised part of the user agent.")
-    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
+    device: DeviceModel | None = Field(
+        None,
+        description="Model identifier of the phone, `iPhone17,3`, if label and platform do not name the "
+        "model. It becomes a part of `platform`, and so of the camera's key.",
+    )
     img_size: ImgSize
     zoom: Zoom = 0.0
     distortion_model: LensModel = "rectilinear"
 
-    _join_device = model_validator(mode="after")(join_device)
+    @model_validator(mode="after")
+    def _join_device(self) -> Self:
+        """Make `device` a part of `platform`."""
+        if self.device is not None:
+            joined = with_device(self.platform, self.device)
+            if len(joined) <= MAX_LABEL:
+                object.__setattr__(self, "platform", joined)  # the model is frozen from here on
+        return self
+
+
+CROPPED = "crop-and-scale"  # the `resizeMode` that cuts the image
+
+
+class StreamKey(StreamRequest):
+    """Request by the key of a camera."""
+
+    resize_mode: str | None = Field(
+        None,
+        max_length=64,
+        description="`resizeMode` of the track: a stream that the browser crops is another picture.",
+    )

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from calibdb.schema.fields import Open
+from calibdb.schema.fields import Open, UnixTime
 from calibdb.schema.problem import Problem
 from calibdb.schema.session import Health
 
@@ -25,22 +25,22 @@ class CanaryRun(Open):
     """Last lookup and capture that the service made of itself, if it makes any."""
 
     ok: bool = Field(description="True if it works.")
-    at: int = Field(description="Unix seconds.")
+    at: UnixTime
     took_ms: int = Field(description="Duration, ms.")
     failed_at: CanaryStep | None = Field(None, description="The step that failed; null: none.")
 
 
-class DeepHealth(Health):
-    """Every part works."""
+class CheckedParts(Open):
+    """Parts of the service, and its canary."""
 
     checked_at: int = Field(description="Unix seconds. An answer is remembered for ten seconds.")
     parts: tuple[PartHealth, ...] = Field(description="Each part of the service.")
     canary: CanaryRun | None = Field(description="Null: there is none, or it has not run for two hours.")
 
 
-class HealthProblem(Problem):
-    """Some part does not work, or the canary failed."""
+class DeepHealth(Health, CheckedParts):
+    """Every part works."""
 
-    checked_at: int = Field(description="Time of the check, unix seconds.")
-    parts: tuple[PartHealth, ...] = Field(description="Each part of the service.")
-    canary: CanaryRun | None = Field(description="Last lookup and capture that the service made of itself.")
+
+class HealthProblem(Problem, CheckedParts):
+    """Some part does not work, or the canary failed."""

@@ -4,33 +4,26 @@ import re
 from typing import Annotated, Literal
 from urllib.parse import urlencode
 
-from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field
 
 from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
-    DEVICE_TEXT,
-    Deferred,
     Detail,
-    DeviceModel,
     ImgSize,
     Label,
-    LensModel,
     Open,
+    StreamKey,
     Zoom,
-    join_device,
     size_text,
     zoom_text,
 )
-from calibdb.schema.observed_corners import ObservedCorners
+from calibdb.schema.observed_corners import MAX_VIEWS, ObservedCorners
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
 MissReason = Annotated[Reason, Field(description="Reason, for programs.")]
 GuidanceUrl = Annotated[str, Field(description="Page that calibrates the camera.")]
-MAX_LOOKUP_VIEWS = 5
-ResizeMode = Annotated[str, Field(max_length=64)]
 ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
-CROPPED = "crop-and-scale"  # the ResizeMode that cuts the image
 
 
 _SIZE = re.compile(r"([0-9]{1,6})[x×,]([0-9]{1,6})")
@@ -55,7 +48,10 @@ def _number(value: object) -> object:
 
 
 def _flag(value: object) -> object:
-    return QUERY_FLAGS.get(value, value) if isinstance(value, str) else value
+    return QUERY_FLAGS.get(value.lower(), value) if isinstance(value, str) else value
+
+
+Flag = BeforeValidator(_flag)
 
 
 class Reported(Open):
@@ -72,15 +68,14 @@ class Reported(Open):
     )
 
 
-class LookupRequest(Deferred):
+class LookupRequest(StreamKey):
     """Camera key, by the paper's names or by those of the older public client.
 
     Unknown fields are ignored: clients of every age ask here.
     """
 
-    model_config = ConfigDict(frozen=True, strict=True, extra="ignore", allow_inf_nan=False)
+    model_config = ConfigDict(extra="ignore")
 
-    camera: Label = Field(description="`MediaStreamTrack.label` of the camera.")
     platform: Label = Field(
         validation_alias=AliasChoices("platform", "userAgent"),
         description="The parenthesised part of the user agent.",
@@ -89,24 +84,23 @@ class LookupRequest(Deferred):
         validation_alias=AliasChoices("img_size", "imsize")
     )
     zoom: Annotated[Zoom, BeforeValidator(_number)] = 0.0
-    distortion_model: LensModel = "rectilinear"
-    resize_mode: ResizeMode | None = Field(
+    resize_mode: str | None = Field(
         None,
+        max_length=64,
         validation_alias=AliasChoices("resize_mode", "resizeMode"),
         description="`resizeMode` of the track: a stream that the browser crops is another picture.",
     )
-    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     reported: Reported | None = Field(
         None, description="A field of view that the device reports. Only the estimate uses it."
     )
     board: DescribedBoard = Board()
     views: tuple[ObservedCorners, ...] = Field(
         (),
-        max_length=MAX_LOOKUP_VIEWS,
+        max_length=MAX_VIEWS,
         description="Frames of the board, tilted differently. If the calibrations of the camera fall into "
         "groups, the estimate is the group that fits. Not in a query.",
     )
-    redirect: Annotated[bool, BeforeValidator(_flag)] = Field(
+    redirect: Annotated[bool, Flag] = Field(
         True, description="`false`: 404 with `guidance_url` instead of a redirect."
     )
     estimate: Literal["always"] | None = Field(
@@ -131,20 +125,6 @@ class LookupRequest(Deferred):
             }
         )
 
-    _join_device = model_validator(mode="after")(join_device)
-
-
-class NoCalibration(Open):
-    """Answer with 200 where nothing reliable is known (`miss: "ok"`)."""
-
-    calibration: None = Field(
-        None, description="The calibration; null: none yet, or nothing reliable is known."
-    )
-    reason: MissReason
-    guidance_url: GuidanceUrl
-    detail: Detail
-    estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
-
 
 class UnknownCamera(Open):
     """Reason why `GET /known/v1/…` has no answer; the body of its 404."""
@@ -157,7 +137,13 @@ class Miss(Open):
 
     guidance_url: GuidanceUrl
     reason: MissReason
-    detail: str = Field(
-        "The database has no reliable calibration of this camera.", description="Explanation for people."
-    )
+    detail: Detail
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
+
+
+class NoCalibration(Miss):
+    """Answer with 200 where nothing reliable is known (`miss: "ok"`)."""
+
+    calibration: None = Field(
+        None, description="The calibration; null: none yet, or nothing reliable is known."
+    )

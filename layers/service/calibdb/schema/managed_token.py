@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.fields import Label, Open, Strict
+from calibdb.schema.fields import Label, Open, Strict, UnixTime
 from calibdb.schema.origins import MAX_ORIGIN_LENGTH, ORIGIN_PATTERN, requirement
 
 MAX_ORIGINS = 10
@@ -49,21 +49,25 @@ Origins = Annotated[
     ),
     AfterValidator(_different),
 ]
-TokenName = Annotated[Label, Field(max_length=MAX_NAME, description="Label that only you see.")]
+TokenName = Annotated[
+    Annotated[Label, Field(max_length=MAX_NAME)] | None, Field(description="Label that only you see.")
+]
+TokenId = Annotated[str, Field(description="Name of the token; not secret.")]
+NewToken = Annotated[str, Field(description="The API token, shown only once.")]
 
 
 class TokenRequest(Strict):
     """A new token."""
 
     origins: Origins
-    name: TokenName | None = Field(None, description="Label that only you see.")
+    name: TokenName = None
 
 
 class TokenChange(Strict):
     """Change of a token; what is left out stays."""
 
     origins: Origins | None = Field(None, description="All origins from now on.")
-    name: TokenName | None = Field(None, description="Label that only you see.")
+    name: TokenName = None
 
 
 class RotationRequest(Strict):
@@ -96,15 +100,19 @@ class OriginState(Open):
     detail: str | None = Field(None, description="Explanation for people.")
 
 
+_SESSIONS = "Captures opened."
+_VIEWS = "Views submitted, undone, checked; calibrations converted."
+_POSES = "Target poses and their images; captures started, read and deleted."
+_LOOKUPS = "Lookups and other reads."
+
+
 class PlanLimits(Open):
     """Calls in one hour by kind; null: as many as are wanted."""
 
-    sessions: int | None = Field(description="Captures opened.")
-    views: int | None = Field(description="Views submitted, undone, checked; calibrations converted.")
-    poses: int | None = Field(
-        description="Target poses and their images; captures started, read and deleted."
-    )
-    lookups: int | None = Field(description="Lookups and other reads.")
+    sessions: int | None = Field(description=_SESSIONS)
+    views: int | None = Field(description=_VIEWS)
+    poses: int | None = Field(description=_POSES)
+    lookups: int | None = Field(description=_LOOKUPS)
 
 
 class HourlyLimits(Open):
@@ -117,22 +125,22 @@ class HourlyLimits(Open):
 class UseCounts(Open):
     """Calls by kind. Lookups are written down in batches, so that the last ones may be missing."""
 
-    sessions: int = Field(0, description="Captures opened.")
-    views: int = Field(0, description="Views submitted, undone, checked; calibrations converted.")
-    poses: int = Field(0, description="Target poses and their images; captures started, read and deleted.")
-    lookups: int = Field(0, description="Lookups and other reads.")
+    sessions: int = Field(0, description=_SESSIONS)
+    views: int = Field(0, description=_VIEWS)
+    poses: int = Field(0, description=_POSES)
+    lookups: int = Field(0, description=_LOOKUPS)
 
 
 class HourOfUse(UseCounts):
     """Calls of one hour, UTC."""
 
-    hour: str = Field(examples=["2026-11-22T16"], description="Start of the hour (UTC), unix seconds.")
+    hour: str = Field(examples=["2026-11-22T16"], description="Hour, UTC.")
 
 
 class DayOfUse(UseCounts):
     """Calls of one day, UTC."""
 
-    day: str = Field(examples=["2026-11-22"], description="Start of the day (UTC), unix seconds.")
+    day: str = Field(examples=["2026-11-22"], description="Day, UTC.")
 
 
 class TokenUse(Open):
@@ -145,13 +153,13 @@ class TokenUse(Open):
 class TokenFacts(Open):
     """All about a token but its secrets. Times are unix seconds."""
 
-    id: str = Field(description="Name of the token; not secret.")
+    id: TokenId
     name: str | None = Field(description="Label that only you see.")
     plan: str = Field(description="Plan of the token.")
     origins: tuple[OriginState, ...] = Field(
         description="Origins whose pages may use the token, each with its state."
     )
-    created: int = Field(description="Unix seconds.")
+    created: UnixTime
     expires: int | None = Field(description="Expiry of an unused trial token, unix seconds.")
     former_until: int | None = Field(description="Expiry of the previous secret, unix seconds.")
     limits: HourlyLimits = Field(description="Limits of the plan, by hour.")
@@ -166,7 +174,7 @@ class ManagedToken(TokenFacts):
 class TokenCreated(TokenFacts):
     """A new token. Both secrets are shown this once."""
 
-    token: str = Field(description="The API token, shown only once.")
+    token: NewToken
     management_token: str = Field(
         description="Secret that manages the token, shown only once. Keep it out of pages."
     )
@@ -175,8 +183,8 @@ class TokenCreated(TokenFacts):
 class TokenRotated(Open):
     """The token with its new secret, shown this once."""
 
-    id: str = Field(description="Name of the token; not secret.")
-    token: str = Field(description="The API token, shown only once.")
+    id: TokenId
+    token: NewToken
     former_until: int | None = Field(
         description="Expiry of the previous secret, unix seconds; null: expired."
     )

@@ -5,6 +5,8 @@ from pydantic_core import PydanticCustomError
 
 from calibdb.schema.fields import MAX_CORNERS, CornerId, Point, Strict
 
+MAX_VIEWS = 5  # of a lookup or check
+
 
 class ObservedCorners(Strict):
     """One frame: the board corners seen."""

@@ -8,20 +8,17 @@ from calibdb.schema.board import DescribedBoard
 from calibdb.schema.calibration import BoardShape, Calibration
 from calibdb.schema.fields import (
     CalibrationName,
-    CornerIds,
-    CornerPixels,
     Detail,
     DistortionModel,
     ImgSize,
     Open,
-    Pixel,
     Row,
     Strict,
     Whole,
     is_none,
 )
 from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
-from calibdb.schema.session import HintName
+from calibdb.schema.session import HintName, Remark, TargetView
 
 RigUnit = Literal["squares", "metres"]
 RigVerdictReason = Literal["uncertain", "held_out", "set_aside"]
@@ -113,17 +110,10 @@ class RigUncertainty(Open):
     )
 
 
-class RigTargetView(Open):
-    """The target as one camera would see it; pixels of its `img_size`, distortion included."""
+class RigTargetView(TargetView):
+    """The target as one camera of a rig would see it."""
 
     position: int
-    rvec: Row
-    tvec: Row = Field(description="Translation, squares.")
-    ids: CornerIds
-    corners: CornerPixels
-    outline: tuple[Pixel, ...]
-    hint: str
-    hint_code: HintName
 
 
 class RigTarget(Open):
@@ -135,13 +125,12 @@ class RigTarget(Open):
     cameras: tuple[RigTargetView, ...] = Field(description="Cameras that are absent would not see it.")
 
 
-class RigAdvice(Open):
+class RigAdvice(Remark):
     """Something that those who capture should know of the rig."""
 
     code: Literal[
         "waiting", "unlinked", "no_fit", "contradicts", "set_aside", "turned", "too_few_views", "converged"
     ] = Field(description="Identifier for programs.")
-    text: str = Field(description="Text for people.")
     positions: tuple[int, ...] = ()
 
 
@@ -185,9 +174,7 @@ class RigResult(Open):
     held_out_rms: float | None = Field(
         None, description="rms px of moments under a rig that was fitted without them; null: too few moments."
     )
-    uncertainty: RigUncertainty = Field(
-        description="Predicted error of a projection over the image, px; null before the first fit."
-    )
+    uncertainty: RigUncertainty
     verdict: RigVerdict
     board_poses: tuple[MomentPose, ...] = Field((), description="Boards of the moments that count.")
     board_shape: BoardShape | None = Field(
@@ -206,9 +193,7 @@ class RigState(Open):
     cameras: tuple[RigCamera, ...] = Field(description="Matching cameras, or cameras of the rig.")
     moment: LatestMoment | None
     moments: tuple[RigMoment, ...]
-    uncertainty: RigUncertainty | None = Field(
-        description="Predicted error of a projection over the image, px; null before the first fit."
-    )
+    uncertainty: RigUncertainty | None = Field(description="null before the first fit.")
     target_error: float = Field(description="px; the `uncertainty.rms` at which the rig has converged.")
     progress: float = Field(ge=0, le=1, description="Progress, 0 to 1.")
     unlinked: tuple[int, ...] = Field(

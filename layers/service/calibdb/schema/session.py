@@ -29,13 +29,14 @@ from calibdb.schema.fields import (
     UnixTime,
     is_none,
 )
-from calibdb.schema.licence import Licence, LicenceVersion, Licensed
+from calibdb.schema.licence import Licence, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
-Fact = Annotated[str, Field(max_length=64)]
-Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
+_REPORTED = Field(description="As the track reports it.")
+Fact = Annotated[Annotated[str, Field(max_length=64)] | None, _REPORTED]
+Quantity = Annotated[Annotated[float, Field(ge=-1e9, le=1e9)] | None, _REPORTED]
 Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
 End = Literal["target", "plateau", "limit", "nothing_new", "asked"]
 
@@ -82,13 +83,13 @@ class Track(Open):
     A page may send all settings of the track; what is not listed here, such as ids of devices, is not kept.
     """
 
-    focusMode: Fact | None = Field(None, description="As the track reports it.")  # noqa: N815 - names of the MediaStreamTrack's settings
-    focusDistance: Quantity | None = Field(None, description="As the track reports it.")  # noqa: N815
-    facingMode: Fact | None = Field(None, description="As the track reports it.")  # noqa: N815
-    resizeMode: Fact | None = Field(  # noqa: N815
+    focusMode: Fact = None  # noqa: N815 - names of the MediaStreamTrack's settings
+    focusDistance: Quantity = None  # noqa: N815
+    facingMode: Fact = None  # noqa: N815
+    resizeMode: Fact = Field(  # noqa: N815
         None, description="As the track reports it. Cropped streams have different intrinsics."
     )
-    frameRate: Quantity | None = Field(None, description="As the track reports it.")  # noqa: N815
+    frameRate: Quantity = None  # noqa: N815
 
 
 class LicenceRequest(Strict, Licensed):
@@ -175,7 +176,13 @@ class ViewState(Open):
     )
 
 
-class Advice(Open):
+class Remark(Open):
+    """Something for people."""
+
+    text: str = Field(description="Text for people.")
+
+
+class Advice(Remark):
     """Something the user should know of the whole capture."""
 
     code: Literal[
@@ -186,7 +193,6 @@ class Advice(Open):
         "motion",
         "focus_changed",
     ] = Field(description="Identifier for programs.")
-    text: str = Field(description="Text for people.")
 
 
 class Hint(Open):
@@ -196,11 +202,10 @@ class Hint(Open):
     text: str = Field(description="English, at most six words.")
 
 
-class VerdictReason(Open):
+class VerdictReason(Remark):
     """Reason why a calibration is not good: a code for programs, a sentence for people."""
 
     code: str = Field(description="Identifier for programs.")
-    text: str = Field(description="Text for people.")
 
 
 class Verdict(Open):
@@ -210,7 +215,7 @@ class Verdict(Open):
     reasons: tuple[VerdictReason, ...] = Field(description="The one to act on first; none if it is good.")
 
 
-class SessionState(Open):
+class SessionState(Open, Licensed):
     """Progress of the capture."""
 
     status: Literal["capturing", "converged"] = Field(description="`capturing` or `converged`.")
@@ -226,12 +231,6 @@ class SessionState(Open):
         "live", description="`live`: views arrive one by one; `recorded`: all views exist already."
     )
     rig: RigMembership | None = Field(None, description="The rig that the session is in; null: none.")
-    licence: Licence | None = Field(
-        None, description="As the session was started, or as the contributor agreed later."
-    )
-    licence_version: LicenceVersion | None = Field(
-        None, description="Date of the text that the contributor agreed to."
-    )
     views: tuple[ViewState, ...] = Field(description="The views of the session.")
     progress: float = Field(ge=0, le=1, description="Progress, 0 to 1.")
     uncertainty: Uncertainty | None = Field(
@@ -291,15 +290,20 @@ class BatchAnswer(SessionState):
     )
 
 
-class Pose(Open):
-    """Target pose of the board; pixels of `img_size`, distortion included."""
+class TargetView(Open):
+    """Target as one camera would see it; pixels of its `img_size`, distortion included."""
 
-    index: int = Field(description="The index that a view answering this pose carries.")
     rvec: Row = Field(description="Rotation vector, board to camera, rad.")
     tvec: Row = Field(description="Translation, squares.")
     ids: CornerIds
     corners: CornerPixels
     outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
-    purpose: str = Field(description="What this view is for, in English.")
     hint: str = Field(description="What to do next, in English, at most six words; sides are the picture's.")
     hint_code: HintName
+
+
+class Pose(TargetView):
+    """Target pose of the board; pixels of `img_size`, distortion included."""
+
+    index: int = Field(description="The index that a view answering this pose carries.")
+    purpose: str = Field(description="What this view is for, in English.")

@@ -232,9 +232,8 @@ def _options(condition: Condition | None) -> dict[str, Any]:
         parts = []
         for each in together:
             names[f"#{each.name}"] = each.name
-            if each.relation in ("absent", "present"):
-                call = "attribute_not_exists" if each.relation == "absent" else "attribute_exists"
-                parts.append(f"{call}(#{each.name})")
+            if each.relation == "absent":
+                parts.append(f"attribute_not_exists(#{each.name})")
             else:
                 value = f":v{len(values)}"
                 values[value] = _encode(each.value)

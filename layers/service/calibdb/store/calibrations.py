@@ -18,8 +18,8 @@ from calibdb.errors import DeniedReadError
 from calibdb.rules.quality_gates import is_evidence
 from calibdb.rules.votes import view_digest
 from calibdb.schema import CalibrationDocument
+from calibdb.schema.fields import CROPPED
 from calibdb.schema.licence import Licensed
-from calibdb.schema.lookup import CROPPED
 from calibdb.store.keys import (
     WITHDRAWN,
     StreamMode,
@@ -43,14 +43,7 @@ class CountedCalibration:
 
     id: str
     source: str  # as what its contributor is counted
-    camera: str
-    platform: str
-    views: frozenset[str] = frozenset()  # their digests (`rules.votes.view_digest`)
-
-    @property
-    def name(self) -> tuple[str, str]:
-        """Label and platform."""
-        return self.camera, self.platform
+    views: frozenset[str]  # their digests (`rules.votes.view_digest`)
 
 
 class Calibrations(DocumentStore):
@@ -217,8 +210,7 @@ def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibrati
             periods.add(place)
             entered[source] += 1
         calibration_id = item["sk"].rpartition("#")[2]
-        views = frozenset(item["views"].split())
-        counted.append(CountedCalibration(calibration_id, source, item["camera"], item["platform"], views))
+        counted.append(CountedCalibration(calibration_id, source, frozenset(item["views"].split())))
     return counted
 
 

@@ -13,7 +13,7 @@ from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.schema.cameras import CameraMember
 from calibdb.store.keys import StreamMode, camera_pk, parse_consensus_id
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.ports import IF_EXISTS, IF_NOT_EXISTS, Item, ItemStore, equals
+from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore, equals
 
 MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its name, from which it rivals it
 
@@ -82,7 +82,7 @@ class Cameras(ItemStore):
             pk, sk = camera_pk(name), SAME_AS + camera_key
             stored = self._table.get(pk, sk)
             if stored is not None and _id_support(stored) != support:
-                self._table.put({"pk": pk, "sk": sk, **mark}, IF_EXISTS)
+                self._table.put({"pk": pk, "sk": sk, **mark}, equals(pk=pk))  # if it still exists
                 written = True
         return written
 

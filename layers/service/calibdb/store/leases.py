@@ -35,10 +35,6 @@ class Leases(ItemStore):
                 return False
         return True  # so much coming and going that one more does not matter
 
-    def again(self, mode: StreamMode, me: str, until: int) -> None:
-        """Begin again: what was asked for until now will be seen."""
-        self._table.put(_item(mode, me, until, asked=0), equals(holder=me))
-
     def release(self, mode: StreamMode, me: str) -> bool:
         """Release it; False, and still held, if another request arrived meanwhile."""
         if self._table.delete(_pk(mode), _SK, equals(holder=me, asked=0)):

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from secrets import token_hex
 
 from calibdb.access.plans import HOUR_S, TRIAL_PERIOD_S
 from calibdb.access.tokens import ApiToken, secret_hash, with_origins, with_proved, with_secret
@@ -32,9 +33,7 @@ class CreatedToken:
         return TokenCreated(**dict(facts), token=secrets[0], management_token=secrets[1])
 
 
-def create(
-    store: Store, request: TokenRequest, sender: str, now: int, limit: int, random_hex: Callable[[int], str]
-) -> CreatedToken:
+def create(store: Store, request: TokenRequest, sender: str, now: int, limit: int) -> CreatedToken:
     """Create a token, `limit` per sender and day; raises ForbiddenError if that is 0, else TooManyError."""
     if limit == 0:
         raise ForbiddenError(
@@ -47,8 +46,8 @@ def create(
             "origins with PATCH /v1/tokens/self.",
         )
     while True:
-        token_id = random_hex(_ID_BYTES)
-        secret, management = random_hex(SECRET_BYTES), random_hex(SECRET_BYTES)
+        token_id = token_hex(_ID_BYTES)
+        secret, management = token_hex(SECRET_BYTES), token_hex(SECRET_BYTES)
         token = ApiToken(
             token_id,
             secret_hash(secret),

@@ -13,7 +13,7 @@ Document = TypeVar("Document", bound=BaseModel)
 Value = str | int | list[str]
 Item = dict[str, Any]
 """Attributes by name, each a `Value`."""
-Relation = Literal["absent", "present", "=", "<", "<="]
+Relation = Literal["absent", "=", "<", "<="]
 JobName = Literal["refit", "verify", "dump"]
 
 READERS = 8  # threads that read objects at a time
@@ -23,7 +23,7 @@ READERS = 8  # threads that read objects at a time
 class Comparison:
     """Comparison of one attribute of the stored item.
 
-    `absent` and `present` ignore `value`. An attribute that is absent satisfies no other relation.
+    `absent` ignores `value`. An attribute that is absent satisfies no other relation.
     """
 
     name: str
@@ -33,8 +33,8 @@ class Comparison:
     def holds(self, item: Item | None) -> bool:
         """True if the stored item satisfies the comparison; None: there is no item."""
         stored = None if item is None else item.get(self.name)
-        if self.relation in ("absent", "present"):
-            return (stored is None) == (self.relation == "absent")
+        if self.relation == "absent":
+            return stored is None
         if self.relation == "=":
             return bool(stored == self.value)
         if not isinstance(stored, int) or not isinstance(self.value, int):
@@ -67,7 +67,6 @@ def equals(**values: Value) -> Condition:
 
 
 IF_NOT_EXISTS = compared("pk", "absent")
-IF_EXISTS = compared("pk", "present")
 
 
 class Table(Protocol):

@@ -7,13 +7,13 @@ together is split if the limit is large.
 
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from random import randrange
 from zlib import crc32
 
 from calibdb.access import plans
 from calibdb.access.plans import HOUR_S
-from calibdb.store.ports import Item, Table
+from calibdb.store.ports import Item, ItemStore
 
 _SHARE_EXPIRY_S = 2 * HOUR_S  # after the hour's end; DynamoDB removes what expired within a day or two
 _DAY_S = 24 * HOUR_S
@@ -25,12 +25,8 @@ MIN_SHARDED_LIMIT = 20_000
 """Limit per hour from which on a counter is split: fewer calls come at six a second, on average."""
 
 
-class Quotas:
+class Quotas(ItemStore):
     """Counters of the current hour and of the last days; they are also the statistics of use."""
-
-    def __init__(self, table: Table, start: Callable[[], int] | None = None) -> None:
-        self._table = table
-        self._start = start or (lambda: randrange(SHARDS))  # noqa: S311 - shard that is tried first
 
     def take(
         self, token_id: str, kind: plans.Counter, now: int, limit: int, contributor: str = ""
@@ -42,7 +38,7 @@ class Quotas:
         """
         if contributor or limit < MIN_SHARDED_LIMIT:
             return self._add(token_id, kind, now, limit, contributor)
-        first = self._start()
+        first = randrange(SHARDS)  # noqa: S311
         for shard in ((first + n) % SHARDS for n in range(SHARDS)):
             part = limit // SHARDS + (shard < limit % SHARDS)
             used = self._add(token_id, kind, now, part, shard=shard)

@@ -1,12 +1,10 @@
 """Secrets of the deployment, kept in SSM's parameter store by their names, and cached for five minutes."""
 
-import functools
 import logging
 import math
 import random
 import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 from calibdb.errors import UnavailableError
 
@@ -22,66 +20,43 @@ _FIRST_PAUSE_S, _MAX_PAUSE_S = 0.25, 3.0
 _log = logging.getLogger(__name__)
 
 
-class Secrets:
-    """The parameters of a deployment by their names.
-
-    If SSM does not answer, the previous values are used; raises UnavailableError if there are none.
-    """
-
-    def __init__(
-        self,
-        client: Callable[[], Any],
-        path: str,
-        clock: Callable[[], float],
-        sleep: Callable[[float], None] = time.sleep,
-        uniform: Callable[[float, float], float] = random.uniform,
-    ) -> None:
-        self._client = client
-        self._path = path
-        self._clock = clock
-        self._sleep = sleep
-        self._uniform = uniform
-        self._known: Mapping[str, str] = {}
-        self.until = -math.inf
-        """Time of the clock at which they are read again."""
-
-    def __call__(self) -> Mapping[str, str]:
-        """Return name, without the path, to value."""
-        now = self._clock()
-        if now >= self.until:
-            try:
-                self._known = self._read()
-            except UnavailableError:
-                if not self._known:
-                    raise
-                _log.warning("secrets could not be reloaded", exc_info=True)
-            self.until = now + SECRETS_TTL_S
-        return self._known
-
-    def _read(self) -> Mapping[str, str]:
-        from calibdb.store.aws import available
-
-        names = [f"{self._path}/{name}" for name in NAMES]
-        # Known values are used rather than waited for.
-        for attempt in range(1 if self._known else MAX_ATTEMPTS):
-            if attempt:
-                self._sleep(self._uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))
-            try:
-                with available():
-                    answer = self._client().get_parameters(Names=names, WithDecryption=True)
-                return {p["Name"].rpartition("/")[2]: p["Value"] for p in answer["Parameters"]}
-            except UnavailableError as error:
-                failed = error
-        raise failed
+_known: dict[str, Mapping[str, str]] = {}  # by path, as last read
 
 
 def with_secrets(environment: Mapping[str, str]) -> tuple[Mapping[str, str], float]:
-    """Environment with the secrets under its SECRETS_PATH, and until when (`time.monotonic`)."""
+    """Environment with the secrets under its SECRETS_PATH, and until when (`time.monotonic`).
+
+    If SSM does not answer, the previous values are used; raises UnavailableError if there are none.
+    """
     path = environment.get("SECRETS_PATH")
     if not path:
         return environment, math.inf
-    secrets = _cached_secrets(path, environment["AWS_REGION"])
-    return {**environment, **secrets()}, secrets.until
+    until = time.monotonic() + SECRETS_TTL_S
+    try:
+        # Known values are used rather than waited for.
+        _known[path] = _read(path, environment["AWS_REGION"], 1 if path in _known else MAX_ATTEMPTS)
+    except UnavailableError:
+        if path not in _known:
+            raise
+        _log.warning("secrets could not be reloaded", exc_info=True)
+    return {**environment, **_known[path]}, until
+
+
+def _read(path: str, region: str, max_attempts: int) -> Mapping[str, str]:
+    """Return name, without the path, to value."""
+    from calibdb.store.aws import available, ssm
+
+    names = [f"{path}/{name}" for name in NAMES]
+    for attempt in range(max_attempts):
+        if attempt:
+            time.sleep(random.uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))  # noqa: S311
+        try:
+            with available():
+                answer = ssm(region).get_parameters(Names=names, WithDecryption=True)
+            return {p["Name"].rpartition("/")[2]: p["Value"] for p in answer["Parameters"]}
+        except UnavailableError as error:
+            failed = error
+    raise failed
 
 
 def read_parameter(name: str, region: str) -> str:
@@ -93,10 +68,3 @@ def read_parameter(name: str, region: str) -> str:
     if not answer["Parameters"]:
         raise UnavailableError(f"The parameter {name} is missing.")
     return str(answer["Parameters"][0]["Value"])
-
-
-@functools.cache
-def _cached_secrets(path: str, region: str) -> Secrets:
-    from calibdb.store.aws import ssm
-
-    return Secrets(lambda: ssm(region), path, time.monotonic)

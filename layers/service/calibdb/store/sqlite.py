@@ -439,12 +439,6 @@ class SqliteJobs(Jobs):
         """Count the jobs that are queued, running, or waiting for a retry."""
         return len(self._database.rows("SELECT 1 FROM jobs WHERE error IS NULL"))
 
-    def failures(self) -> list[tuple[str, bytes, str]]:
-        """Return name, payload and error of the jobs that failed every time."""
-        return self._database.rows(
-            "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL ORDER BY id"
-        )
-
 
 def backup(source: Path, target: Path) -> None:
     """Copy the data folder `source`, which may be in use, to the new folder `target`."""

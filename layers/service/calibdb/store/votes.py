@@ -18,7 +18,6 @@ class IndexedVote:
 
     id: str
     source: str  # as what its contributor is counted
-    time: int  # unix seconds
     object: str  # its name in the bucket, which keeps the key that the camera had then
 
 
@@ -77,4 +76,4 @@ class Votes(DocumentStore):
 
 
 def _to_indexed_vote(item: Item) -> IndexedVote:
-    return IndexedVote(item["sk"].rpartition("#")[2], item["source"], item["time"], item["object"])
+    return IndexedVote(item["sk"].rpartition("#")[2], item["source"], item["object"])

@@ -10,7 +10,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from ..arrays import Array, IntArray
+from ..arrays import Array, IntArray, subsample
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
@@ -168,8 +168,7 @@ def thin(view: View) -> View:
     """View with MAX_TRIAL_POINTS of its points, from all over it; itself if it has no more."""
     if len(view) <= MAX_TRIAL_POINTS:
         return view
-    kept = np.linspace(0, len(view) - 1, MAX_TRIAL_POINTS).round().astype(np.int64)
-    return view.subset(kept)
+    return view.subset(subsample(len(view), MAX_TRIAL_POINTS))
 
 
 def common_points(one: View, other: View) -> tuple[IntArray, IntArray]:

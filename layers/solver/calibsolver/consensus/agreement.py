@@ -242,11 +242,6 @@ def _total(weights: Array) -> float:
     return round(float(weights.sum()), 9)
 
 
-def compare(calibrations: Sequence[Calibration]) -> Array:
-    """Differences of calibrations as `differences`."""
-    return differences([c.camera for c in calibrations])
-
-
 def difference(one: Camera, other: Camera) -> float:
     """Difference between the projections of two cameras, px rms over the image."""
     return float(differences([one, other])[0, 1])

@@ -1,5 +1,6 @@
-"""Comparison of a calibration at hand with a fit of fresh views of the same camera."""
+"""Comparison of known cameras with fresh views: whether one still fits, and which of several took them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,6 +17,11 @@ MAX_RMS_RATIO = 1.5
 """Error under the calibration / under a camera fitted to the views, up to which it fits."""
 MAX_EXCESS_WIDTHS = 0.15 / 1280
 """Excess of the one over the other / image width up to which it fits as well."""
+NOISE_FLOOR_WIDTHS = 1e-4
+MAX_SPECIMEN_WIDTHS = 2e-3
+"""Error of views / image width that another specimen of the product may have, besides their noise."""
+MIN_CONTRAST = 2.0
+"""Error under the second best camera / under the best, from which the best is the one."""
 
 
 @dataclass(frozen=True)
@@ -71,3 +77,28 @@ def compare(camera: Camera, views: Sequence[View]) -> Comparison:
         own.uncertainty().rms,
         len(used),
     )
+
+
+@undetermined()
+def fitting_camera(cameras: Sequence[Camera], views: Sequence[View], model: str) -> int | None:
+    """Index of the one camera that took the views; None if none did, or if several may have.
+
+    A fit of `model` estimates the noise of the views; raises CalibrationError as `fit` does.
+    """
+    if len(cameras) < 2:
+        return None
+    size = cameras[0].img_size
+    noise = math.sqrt(2) * fit(views, size, model).noise
+    expected = max(noise, NOISE_FLOOR_WIDTHS * size[0])
+    errors = [_error(camera, views) for camera in cameras]
+    best, second = sorted(range(len(errors)), key=errors.__getitem__)[:2]
+    if errors[best] > math.hypot(expected, MAX_SPECIMEN_WIDTHS * size[0]):
+        return None
+    return best if errors[second] > MIN_CONTRAST * max(errors[best], expected) else None
+
+
+def _error(camera: Camera, views: Sequence[View]) -> float:
+    try:
+        return reprojection_score(camera, views).rms
+    except CalibrationError:
+        return math.inf

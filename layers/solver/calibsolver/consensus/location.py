@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .. import models
-from ..arrays import Array, IntArray, Mask, symmetric_inverse
+from ..arrays import Array, IntArray, Mask, subsample, symmetric_inverse
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting import prior, resection
@@ -250,8 +250,6 @@ def number_owners(names: Sequence[str]) -> IntArray:
 
 def thin(view: View, used: Mask) -> tuple[View, float]:
     """At most MAX_VIEW_POINTS of the points used, evenly chosen, and how many each stands for."""
-    chosen = np.flatnonzero(used)
-    count = len(chosen)
-    if count > MAX_VIEW_POINTS:
-        chosen = chosen[np.linspace(0, count - 1, MAX_VIEW_POINTS).round().astype(np.intp)]
-    return view.subset(chosen), count / len(chosen)
+    taken = np.flatnonzero(used)
+    chosen = taken[subsample(len(taken), MAX_VIEW_POINTS)]
+    return view.subset(chosen), len(taken) / len(chosen)

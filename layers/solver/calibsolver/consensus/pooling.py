@@ -2,26 +2,29 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from ..arrays import Array, IntArray
+from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
+from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
+from ..fitting.fit import fit, refine
+from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
 from ..fitting.validation import check, degenerate_views, pack
-from ..view import View
-from .agreement import Estimates, compare, settle, split_into_groups
+from ..rotation import matrix
+from .agreement import Estimates, differences, settle, split_into_groups
 from .fit_memory import fit_once
 from .location import Contributions, FittedMember, Member, number_owners
-from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
 
 __all__ = ["Consensus", "Member", "Rule", "pool"]
 
+FOLDS = 5
 UnreliableReason = Literal["too_few", "disagree", "few_contributors", "imprecise"]
 
 MAX_STATED_WIDTHS = 1.5 / 1280
@@ -153,27 +156,27 @@ def pool(
         consistent=remaining is None,
         groups=tuple(tuple(fits[i].member.id for i in part) for part in agreement.groups),
         dropped=dropped,
-        spread=_weighted_rms(compare([pooled, *(f.calibration for f in group)])[0, 1:], shares),
+        spread=_weighted_rms(
+            differences([pooled.camera, *(f.calibration.camera for f in group)])[0, 1:], shares
+        ),
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
         held_out_error=_weighted_rms(errors, shares),
     )
 
 
 def _fit_member(member: Member, img_size: tuple[int, int], model: str) -> FittedMember:
-    """Fit a member's views, which then show its board in its shape; raises as `fit` does."""
-    views = without_degenerate_views(member.views, img_size)
+    """Fit a member's views, without degenerate ones; they then show its board in its shape.
+
+    Raises as `fit` does.
+    """
+    degenerate = degenerate_views(pack(member.views, img_size))
+    if degenerate.all():
+        check(member.views, img_size)  # raises
+    views = tuple(view for view, flat in zip(member.views, degenerate, strict=True) if not flat)
     calibration = fit_once(views, img_size, model)
     shaped = tuple(calibration.shaped(views))
     pack(shaped, img_size)  # or it is not a board
     return FittedMember(replace(member, views=shaped), calibration)
-
-
-def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -> tuple[View, ...]:
-    """Set aside degenerate views; raises as `fit` does, ``degenerate`` if none is left."""
-    degenerate = degenerate_views(pack(views, img_size))
-    if degenerate.all():
-        check(views, img_size)  # raises
-    return tuple(view for view, flat in zip(views, degenerate, strict=True) if not flat)
 
 
 def locate_contributors(
@@ -210,7 +213,7 @@ class _Agreement:
         owner = number_owners(
             [f.member.contributor if rule.min_contributors > 1 else f.member.id for f in fits]
         )
-        self.estimates = Estimates.of(calibrations, owner, calibrations[medoid(calibrations)].camera)
+        self.estimates = Estimates.of(calibrations, owner, medoid([c.camera for c in calibrations]))
         self.groups = split_into_groups(self.estimates, _weights(fits, rule))
 
     @cached_property
@@ -218,7 +221,7 @@ class _Agreement:
         """Members' views, linearized about the location of the largest group."""
         group = self.groups[0]
         members = [self.fits[i] for i in group]
-        camera = members[medoid([f.calibration for f in members])].calibration.camera
+        camera = medoid([f.calibration.camera for f in members])
         try:
             result = Contributions(self.fits, camera).relinearize(group)
         except CalibrationError:
@@ -235,9 +238,10 @@ class _Agreement:
         return settle(self.estimates, remaining, indices) if remaining.size else remaining
 
 
-def medoid(calibrations: Sequence[Calibration]) -> int:
-    """Index of the calibration whose projections lie closest to those of all the others."""
-    return int(np.argmin(np.minimum(compare(calibrations), 1e9).sum(axis=1)))
+def medoid(cameras: Sequence[Camera]) -> Camera:
+    """Camera whose projections lie closest to those of all the others."""
+    away = np.minimum(differences(cameras), 1e9).sum(axis=1)
+    return cameras[int(np.argmin(away))]
 
 
 def unreliable_reason(
@@ -303,3 +307,95 @@ def _weighted_rms(errors: Array, weights: Array) -> float:
 def _weights(fits: Sequence[FittedMember], rule: Rule) -> Array:
     weights = member_weights([f.member for f in fits], rule)
     return np.array([weights[f.member.id] for f in fits])
+
+
+def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: str) -> Calibration:
+    """Fit one camera to the views of all members of a group; raises as `fit` does."""
+    if len(group) == 1:
+        return group[0].calibration  # which is just that
+    return fit([view for f in group for view in f.member.views], img_size, model, board_shape=False)
+
+
+def fit_location(group: Sequence[int], of: Contributions) -> Calibration:
+    """Pooled fit: the camera at the location of a group's contributors."""
+    location = of.locate(group)
+    return describe(of.camera_at(location), [of.fitted[i] for i in group], of.covariance(group, location))
+
+
+def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -> Calibration:
+    """Describe a camera by the views of a group: poses by their inliers, errors over all points."""
+    views = [view for f in group for view in f.member.views]
+    used = [mask for f in group for mask in f.calibration.used]
+    shown = [
+        view.subset(mask) if mask.sum() >= MIN_POSE_POINTS else view
+        for view, mask in zip(views, used, strict=True)
+    ]
+    posed = reprojection_score(camera, shown).poses
+    limit = float(np.hypot(*camera.img_size))
+    residuals = [
+        view.image_points - camera.project(view.object_points @ matrix(pose[:3]).T + pose[3:])
+        for view, pose in zip(views, posed, strict=True)
+    ]
+    lengths = [np.fmin(np.linalg.norm(e, axis=1), limit) for e in residuals]  # of NaN the limit
+    square = [float(np.sum(e**2)) for e in lengths]
+    points = [len(e) for e in lengths]
+    noise = np.sqrt(np.mean([f.calibration.noise**2 for f in group]))
+    weights = [sum(map(len, f.member.views)) for f in group]
+    return Calibration(
+        camera=camera,
+        poses=frozen(posed),
+        avg_reprojection_error=float(np.sqrt(sum(square) / sum(points))),
+        view_errors=frozen(np.sqrt(np.divide(square, points))),
+        covariance=frozen(covariance),
+        information=frozen(symmetric_inverse(covariance)),
+        noise=float(noise),
+        inflation=float(np.average([f.calibration.inflation for f in group], weights=weights)),
+        residuals=tuple(frozen(e) for e in residuals),
+        used=tuple(used),
+        prior_used=any(f.calibration.prior_used for f in group),
+    )
+
+
+def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:
+    """Rms (m,), px, of each member's views under intrinsics fitted without it, from the `pooled` camera.
+
+    In at most FOLDS fits, so that a large group takes no longer. Infinite if the others give no fit.
+    """
+    views = [view for f in group for view in f.member.views]
+    owner = np.repeat(np.arange(len(group)), [len(f.member.views) for f in group])
+    poses = reprojection_score(pooled, views).poses
+
+    def fit_without(out: Mask) -> Camera:
+        others = np.flatnonzero(~out[owner])
+        return refine([views[i] for i in others], pooled, poses[others]).camera
+
+    return _held_out_errors(group, np.arange(len(group)), fit_without)
+
+
+def cross_validate_contributors(group: Sequence[int], of: Contributions) -> Array:
+    """Rms (m,), px, of each member's views under the location of other contributors.
+
+    Of a single contributor, its calibrations are left out in turn.
+    """
+    members: IntArray = np.asarray(group, dtype=np.int64)
+    numbers, part = np.unique(of.owner[members], return_inverse=True)
+    if len(numbers) < 2:
+        part = np.arange(len(members))
+    return _held_out_errors(
+        [of.fitted[i] for i in group], part, lambda out: of.camera_at(of.locate(members[~out]))
+    )
+
+
+def _held_out_errors(
+    group: Sequence[FittedMember], part: IntArray, fit_without: Callable[[Mask], Camera]
+) -> Array:
+    errors = np.full(len(group), np.inf)
+    for fold in range(min(FOLDS, int(part.max()) + 1)):
+        out = part % FOLDS == fold
+        try:
+            camera = fit_without(out)
+        except CalibrationError:
+            continue
+        for i in np.flatnonzero(out).tolist():
+            errors[i] = reprojection_score(camera, group[i].member.views).rms
+    return errors

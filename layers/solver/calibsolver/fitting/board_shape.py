@@ -48,18 +48,13 @@ class BoardShape:
     covariance: Array = field(default_factory=lambda: np.zeros((SHAPE_SIZE, SHAPE_SIZE)))
 
     @classmethod
-    def flat(cls, points: Array) -> "BoardShape":
-        """Shape of a board as drawn, of its points (n, 3) or more."""
-        low, high = points.min(axis=0), points.max(axis=0)
+    def of(cls, obs: Observations) -> "BoardShape":
+        """Shape of a board as drawn, of all that was seen of it."""
+        low, high = obs.points.min(axis=(0, 2)), obs.points.max(axis=(0, 2))
         x, y = ((low + high) / 2)[:2].tolist()
         width, height = (high - low)[:2].tolist()
         longer = max(width, height)
         return cls((x, y), longer / 2, (width / longer, height / longer))
-
-    @classmethod
-    def of(cls, obs: Observations) -> "BoardShape":
-        """Shape of a board as drawn, of all that was seen of it."""
-        return cls.flat(np.concatenate([obs.points.min(axis=2), obs.points.max(axis=2)]))
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "BoardShape":

@@ -13,8 +13,7 @@ from ..arrays import Array, Mask, frozen
 from ..camera import Camera
 from ..view import View
 from .board_shape import BoardShape
-from .rivals import Rivals
-from .uncertainty import Uncertainty, projection_jacobian_rotation_free, variance
+from .uncertainty import Rivals, Uncertainty, square_errors
 
 BORDER_GRID = (40, 30)
 """Grid whose outermost cells reach the border, where rivals differ most."""
@@ -152,14 +151,10 @@ class Calibration:
         rotation of the camera frame over the grid removed. Outside the hull of the corners with the error if
         a rival is right. NaN outside the model's one-to-one domain.
         """
-        model = models.get(self.camera.model)
-        d = projection_jacobian_rotation_free(model, self.camera.intrinsics, self.camera.img_size, grid)
-        with np.errstate(invalid="ignore"):
-            square = np.maximum(variance(d, self.covariance), 0)
-            if self.rivals is not None:
-                square = square + self.rivals.square_error(self.camera, grid)
-            std: Array = np.sqrt(square).reshape(grid[1], grid[0])
-        return std
+        square = square_errors(self.camera, self.covariance, grid)
+        if self.rivals is not None:
+            square = square + self.rivals.square_error(self.camera, grid)
+        return np.sqrt(square).reshape(grid[1], grid[0])
 
     def uncertainty(self, grid: tuple[int, int] = (20, 15)) -> Uncertainty:
         """Predict rms and maximum of |true - estimated projection| over the image, px (`projection_std`)."""

@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, Mask
 from ..camera import pixel_grid
 from ..view import View
 from .calibration import Calibration
-from .rivals import Hull
-from .uncertainty import projection_jacobian_rotation_free, variance
+from .uncertainty import Hull, square_errors
 
 COVERAGE_GRID = (40, 30)
 MIN_CELLS = 4
@@ -36,11 +34,8 @@ class Coverage:
         camera = calibration.camera
         pairs = zip(views, calibration.used, strict=True)
         inside = hull(np.concatenate([view.image_points[used] for view, used in pairs]), camera.img_size)
-        d = projection_jacobian_rotation_free(
-            models.get(camera.model), camera.intrinsics, camera.img_size, COVERAGE_GRID, inside
-        )
-        square = variance(d, calibration.covariance)
-        square = np.maximum(square[np.isfinite(square)], 0)
+        square = square_errors(camera, calibration.covariance, COVERAGE_GRID, inside)
+        square = square[np.isfinite(square)]
         if len(square) < MIN_CELLS:
             return cls(float(inside.mean()), calibration.uncertainty().rms)
         return cls(float(inside.mean()), float(np.sqrt(square.mean())))

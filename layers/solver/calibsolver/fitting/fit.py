@@ -1,6 +1,6 @@
 """Fit of a camera model to views: a calibration, or the reason why there is none."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -30,12 +30,10 @@ from .constraint import Fix
 from .levenberg_marquardt import Options, Problem, State
 from .mixed_fit import MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
-from .multistart import MultiStart, constrained
+from .multistart import MultiStart, constrained, refit_without_gross_outliers
 from .normal_equations import POSE_SIZE, Poses
 from .observations import Order
-from .validation import MIN_POINTS, check, degenerate_views, pack
-
-__all__ = ["MIN_POINTS", "check", "fit"]
+from .validation import check, degenerate_views, pack
 
 MAX_TAIL_RMS_RATIO = 1.1
 """Rms over all but gross outliers / rms of the inliers, up to which all of them count."""
@@ -133,6 +131,52 @@ def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
     with np.errstate(all="ignore"):
         state = problem.at(near.intrinsics, Poses.of_vectors(poses[order.views]))
         return _Fit(problem, order, mirrored, True, near).run(state)
+
+
+@dataclass(frozen=True, eq=False)
+class Approximation:
+    """Camera near the optimum, poses (v, 6) rvec|tvec, NaN of degenerate views, and noise, px per coordinate.
+
+    `cut_views`: reasons why views (by number) are left out, ``degenerate``, ``mirrored`` or ``outlier``.
+    """
+
+    camera: Camera
+    poses: Array
+    noise: float
+    cut_views: Mapping[int, str]
+
+
+def approximate(
+    views: Sequence[View],
+    img_size: tuple[int, int],
+    model: str = "rectilinear",
+    *,
+    start: Camera | None = None,
+) -> Approximation:
+    """Fit a camera model to near the optimum; arguments and errors are those of `fit`, robust."""
+    packed = pack(views, img_size)
+    degenerate, mirrored = degenerate_views(packed), validation.mirrored_views(packed)
+    if degenerate.all():
+        check(views, img_size)  # raises
+    usable = np.flatnonzero(~degenerate)
+    obs, order = packed.subset(usable).sort_canonically()
+    problem = Problem(models.get(model), obs, img_size)
+    mask = obs.mask & ~mirrored[usable][order.views][:, None]
+    with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
+        state = refit_without_gross_outliers(problem, MultiStart(problem, mask, start).run(), mask)
+        good = outliers.inlier_mask(state, mask, mask, img_size[0], outliers.GROSS_OUTLIER_SIGMAS)
+        plausibility.check_result(problem, state, good, robust=True)
+    poses = np.full((len(views), 6), np.nan)
+    poses[usable] = order.back(state.poses.vectors())
+    left = order.back(np.asarray(good.any(axis=1)))
+    reasons = {int(i): "degenerate" for i in np.flatnonzero(degenerate)}
+    reasons |= {int(i): "mirrored" if mirrored[i] else "outlier" for i in usable[~left]}
+    return Approximation(
+        Camera.from_intrinsics(model, state.k, img_size),
+        frozen(poses),
+        levenberg_marquardt.robust_sigma(state, good),
+        reasons,
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,8 +51,10 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
             continue  # the same optimum
         other = problem.solve(other, good, Options())
         change = other.k - state.k
+        # Another calibration might return a fit that ends there.
+        is_taken = other.converged and other.is_finite and not plausibility.folds(problem, other, good)
         # Within a deviation it is the same optimum, or one that does not matter.
-        if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
+        if is_taken and abs(gradient @ change) > deviation:
             # Never more than equally likely: the prior, too weak to decide, favours the optimum of the fit.
             excess = max(float((other.square[good] - state.square[good]).sum()) / variance, 0.0)
             likelihood_ratio = np.exp(-excess / 2)
@@ -73,11 +75,6 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
     held = replace(problem, basis=free @ basis)
     best = held.solve(held.at(k, poses), good, HELD)
     return problem.solve(problem.at(best.k, best.poses), good, ALONG_VALLEY)
-
-
-def is_taken(problem: Problem, other: State, good: Mask) -> bool:
-    """True if another calibration might return a fit that ends there."""
-    return other.converged and other.is_finite and not plausibility.folds(problem, other, good)
 
 
 def log_focal_gradient(problem: Problem, state: State) -> Array:

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, IntArray, Mask
+from ..arrays import Array, IntArray, Mask, subsample
 from ..camera import Camera
 from ..models import Model
-from . import robust_homography
-from .homography import Homographies
+from .homography import Homographies, fit_homographies_lmeds
 from .normal_equations import Poses
 from .observations import MIX, Observations
 
@@ -88,7 +87,7 @@ def from_vanishing_points(model: Model, obs: Observations, img_size: tuple[int, 
         return
     k = model.start(float(img_size[0]), img_size)
     rays = unproject_observations(model, obs, k)
-    homographies, weights = robust_homography.fit_homographies_lmeds(obs.points, rays, obs.mask)
+    homographies, weights = fit_homographies_lmeds(obs.points, rays, obs.mask)
     factor = homographies.focal_from_vanishing_points()
     if 0.2 < factor < 8:
         k[:2] /= factor
@@ -97,7 +96,7 @@ def from_vanishing_points(model: Model, obs: Observations, img_size: tuple[int, 
 
 def with_robust_poses(model: Model, obs: Observations, k: Array) -> Start:
     """Start from intrinsics k (p,) and the poses of the inliers of each view."""
-    homographies, weights = robust_homography.fit_homographies_lmeds(
+    homographies, weights = fit_homographies_lmeds(
         obs.points, unproject_observations(model, obs, k), obs.mask
     )
     return Start(k, homographies.poses(obs.points[:, 2, 0]), weights=weights)
@@ -126,4 +125,4 @@ def subsample_views(obs: Observations, mask: Mask) -> IntArray | None:
     weight = obs.mask[usable] / obs.mask[usable].sum(axis=1, keepdims=True)
     x, y = (obs.pixels[usable] * weight[:, None]).sum(axis=2).T
     order = np.argsort(x + MIX * y, kind="stable")
-    return usable[order[np.linspace(0, len(usable) - 1, MAX_TRIAL_VIEWS).round().astype(np.int64)]]
+    return usable[order[subsample(len(usable), MAX_TRIAL_VIEWS)]]

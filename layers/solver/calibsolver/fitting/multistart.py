@@ -9,7 +9,7 @@ from .. import deadline
 from ..arrays import Mask
 from ..camera import Camera
 from ..errors import CalibrationError
-from . import initial_guess, outliers, plausibility, robust_homography
+from . import homography, initial_guess, outliers, plausibility
 from .levenberg_marquardt import Options, Problem, State
 
 MAX_TRUSTED_RMS_WIDTHS = 0.002
@@ -63,7 +63,7 @@ class MultiStart:
             first = initial_guess.with_robust_poses(problem.model, obs, k)
             state = problem.at(first.k, first.poses)
             # Intrinsics are approximately known, so gross outliers can be excluded already.
-            middle = robust_homography.medians(state.square, self.mask)
+            middle = homography.medians(state.square, self.mask)
             good = self.mask & (state.square <= INLIER_MEDIANS**2 * middle[:, None])
             state = problem.solve(state, good, TOWARDS_OPTIMUM)
             states.append(reinitialize_outlying_poses(problem, state, good, self.mask))
@@ -162,11 +162,11 @@ def reinitialize_outlying_poses(problem: Problem, state: State, good: Mask, mask
             break
         part = replace(problem, obs=problem.obs.subset(bad))
         rays = initial_guess.unproject_observations(problem.model, part.obs, state.k)
-        homographies, _ = robust_homography.fit_homographies_lmeds(part.obs.points, rays, mask[bad], 0.0)
+        homographies, _ = homography.fit_homographies_lmeds(part.obs.points, rays, mask[bad], 0.0)
         poses = homographies.poses(part.obs.points[:, 2, 0])
         square = part.at(state.k, poses).square
-        middle = robust_homography.medians(square, mask[bad])
-        better = middle < robust_homography.medians(state.square[bad], mask[bad])
+        middle = homography.medians(square, mask[bad])
+        better = middle < homography.medians(state.square[bad], mask[bad])
         if not better.any():
             break
         good = good.copy()

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array, IntArray, Mask
+from ..arrays import IntArray, Mask
 from . import plausibility
+from .homography import medians
 from .levenberg_marquardt import NOISE_FLOOR, Options, Problem, State, robust_sigma
-from .robust_homography import medians
 from .validation import MIN_POINTS
 
 OUTLIER_SIGMAS = 4.0
@@ -108,11 +108,6 @@ def views_beyond_threshold(state: State, mask: Mask) -> IntArray:
     """Views (by number) of which half of the points or more lie beyond OUTLIER_SIGMAS."""
     sigma = robust_sigma(state, mask)
     return np.flatnonzero((medians(state.square, mask) > (OUTLIER_SIGMAS * sigma) ** 2) & mask.any(axis=1))
-
-
-def unit_weights(good: Mask) -> Array:
-    """Weights (v, n): 1 for the good, 0 for others."""
-    return good.astype(np.float64)
 
 
 def concentrate_at_rim(problem: Problem, good: Mask, among: Mask) -> bool:

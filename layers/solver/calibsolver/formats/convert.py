@@ -1,6 +1,6 @@
 """Conversion of a camera to a model that a format can hold, exactly or by a fit to the same keypoints."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -152,44 +152,55 @@ def compare(camera: Camera, other: Camera) -> Conversion:
     """Projection differences of `other` from `camera`, over the rays of its image that `other` holds.
 
     These lie where `other` is one-to-one and, if `camera` is of a model that sees farther to the side, within
-    the domain of the model of `other`: a plane's coordinates grow without end towards 90 degrees. The border
-    of the image counts, and so do the rims of both domains where they cross it: differences are largest
-    there.
+    the domain of the model of `other`: a plane's coordinates grow without end towards 90 degrees.
+    """
+    model = models.get(other.model)
+    angle = model.domain_half_angle(other.distortion)
+    if models.get(camera.model).max_angle > model.max_angle:
+        angle = min(angle, model.max_angle)
+    error, coverage = differences(camera, other.project, angle)
+    if not (error or coverage):
+        raise CalibrationError("not_representable", "nothing of the image is left")
+    return Conversion(other, error, coverage)
+
+
+def differences(camera: Camera, project: Callable[[Array], Array], angle: float) -> tuple[float, float]:
+    """Largest distance, px, of projections from those of `camera`, and the share of its image compared.
+
+    `project` maps rays (n, 3) to pixels (n, 2), up to an angle from the axis, radians. The border of the
+    image counts, and so do the rims of both domains where they cross it: differences are largest there.
     """
     w, h = camera.img_size
-    model, own = models.get(other.model), models.get(camera.model)
-    angle = model.domain_half_angle(other.distortion)
-    if own.max_angle > model.max_angle:
-        angle = min(angle, model.max_angle)
 
-    def differences(q: Array) -> tuple[Array, Mask]:
+    def away_of(q: Array) -> tuple[Array, Mask]:
         """Distance of the two projections of each pixel's ray, -1 outside; and which pixels have a ray."""
         rays = camera.unproject(q)
         visible = np.asarray(np.isfinite(rays).all(axis=1))
         inside = visible & (rays[:, 2] > np.cos(angle))
         away = np.full(len(q), -1.0)
-        away[inside] = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
+        away[inside] = np.linalg.norm(project(rays[inside]) - q[inside], axis=1)
         return away, visible
 
     q = samples(camera.img_size)
-    away, in_sight = differences(q)
+    away, in_sight = away_of(q)
     grid = slice(IMAGE_ERROR_GRID[0] * IMAGE_ERROR_GRID[1])
     if not (away >= 0).any():
-        raise CalibrationError("not_representable", "nothing of the image is left")
+        return 0.0, 0.0
     coverage = float((away[grid][in_sight[grid]] >= 0).mean()) if in_sight[grid].any() else 0.0
     worst = float(away.max())
     centre, step = q[np.argmax(away)], np.array([w, h]) / (np.array(IMAGE_ERROR_GRID) - 1)
     for _ in range(ZOOMS):
         near = np.clip(_lattice(centre - step, centre + step, (9, 9)), -0.5, (w - 0.5, h - 0.5))
-        nearby = differences(near)[0]
+        nearby = away_of(near)[0]
         centre, step, worst = near[np.argmax(nearby)], step / 4, max(worst, float(nearby.max()))
-    for rim in {angle, min(angle, own.domain_half_angle(camera.distortion))}:
+    own = models.get(camera.model).domain_half_angle(camera.distortion)
+    for rim in {angle, min(angle, own)}:
         rays = _cone(rim * (1 - RIM_MARGIN))
         there = camera.project(rays)
         met = ((there >= -0.5) & (there <= (w - 0.5, h - 0.5))).all(axis=1)
         if met.any():
-            worst = max(worst, float(np.linalg.norm(other.project(rays[met]) - there[met], axis=1).max()))
-    return Conversion(other, worst * (1 + ERROR_MARGIN), coverage)
+            worst = max(worst, float(np.linalg.norm(project(rays[met]) - there[met], axis=1).max()))
+    return worst * (1 + ERROR_MARGIN), coverage
 
 
 def samples(img_size: tuple[int, int]) -> Array:

@@ -9,10 +9,9 @@ import struct
 
 import numpy as np
 
-from ..arrays import Array
 from ..camera import Camera
 from .base import Conversion, ExportSource, ModelConstraint
-from .convert import ERROR_MARGIN, compare, convert_in_image, samples
+from .convert import compare, convert_in_image, differences
 from .format import Format
 
 WARP_RECTILINEAR, WARP_FISHEYE = 1, 2
@@ -44,8 +43,8 @@ class Dng(Format):
         if conversion.camera.model != "fisheye":
             return conversion
         four = _refit_without_k4(conversion.camera)
-        whole = compare(source.camera, four)
-        return Conversion(four, _within(source.camera, four), whole.coverage)
+        error, _ = differences(source.camera, four.project, MAX_ANGLE_RAD)
+        return Conversion(four, error, compare(source.camera, four).coverage)
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         c = conversion.camera
@@ -79,16 +78,3 @@ def _refit_without_k4(camera: Camera) -> Camera:
     matrix[0, 0] *= terms[0]
     matrix[1, 1] *= terms[0]
     return Camera("fisheye", matrix, np.append(terms[1:] / terms[0], 0.0), camera.img_size)
-
-
-def _within(camera: Camera, other: Camera) -> float:
-    """Largest distance, px, between two cameras' projections of what the corrected picture shows."""
-    a, r = np.meshgrid(np.linspace(0, 2 * np.pi, 361), np.linspace(0.01, MAX_ANGLE_RAD, 101))
-    rays: Array = np.stack([np.sin(r) * np.cos(a), np.sin(r) * np.sin(a), np.cos(r)], axis=-1).reshape(-1, 3)
-    of_image = camera.unproject(samples(camera.img_size))
-    reached = np.isfinite(of_image).all(axis=1) & (of_image[:, 2] >= np.cos(MAX_ANGLE_RAD))
-    rays = np.concatenate([rays, of_image[reached]])
-    q = camera.project(rays)
-    inside = ((q >= -0.5) & (q <= np.array(camera.img_size) - 0.5)).all(axis=1) & camera.valid(rays)
-    away = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
-    return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN)

@@ -69,11 +69,6 @@ def named_rays(members: Members, matrix: Array) -> Unprojection | None:
     if kind not in names or not all(name in members for name in names[kind]):
         return None
     one, other = (text.scalar(members.get(name), name) for name in names[kind])
-    return rays_of_kind(kind, matrix, one, other)
-
-
-def rays_of_kind(kind: str, matrix: Array, one: float, other: float) -> Unprojection:
-    """Return the rays of a double sphere camera (xi, alpha) or an extended unified one (alpha, beta)."""
     rays = _double_sphere if kind.startswith("d") else _extended_unified
 
     def rays_of(q: Array) -> Array:
@@ -96,7 +91,7 @@ def _extended_unified(x: Array, y: Array, alpha: float, beta: float) -> Array:
     return np.stack([x, y, z], axis=1)
 
 
-def scaramuzza(
+def _scaramuzza(
     polynomial: Array, centre: tuple[float, float], affine: tuple[float, float, float]
 ) -> Unprojection:
     """Return the rays of a camera of the OCamCalib toolbox: centre row and column, affine c, d, e."""
@@ -109,6 +104,38 @@ def scaramuzza(
         return np.stack([rows_columns[:, 1], rows_columns[:, 0], -z], axis=1)
 
     return rays_of
+
+
+def is_ocamcalib(content: str) -> bool:
+    """True if a text is a calib_results.txt of the OCamCalib toolbox."""
+    return "#polynomial coefficients for the DIRECT mapping" in content
+
+
+def read_ocamcalib(content: str) -> ImportedFile:
+    """Read a calib_results.txt, a polynomial of the distance from the centre: the closest camera.
+
+    Pixels are counted from 0, rows before columns, and the optical axis is -z. Raises as `closest_camera`
+    does.
+    """
+    rows = [
+        numbers
+        for line in content.splitlines()[:200]
+        if line.strip() and not line.lstrip().startswith("#")
+        if (numbers := text.number_list(line)) is not None
+    ]
+    if len(rows) < 5 or len(rows[2]) != 2 or len(rows[3]) != 3 or len(rows[4]) != 2:
+        raise text.refuse("the file has not the five rows of calib_results.txt")
+    count = int(rows[0][0])
+    polynomial = text.floats(rows[0][1:], "polynomial", 1, 30)
+    if len(polynomial) != count or not polynomial[0]:
+        raise text.refuse("the polynomial has not as many coefficients as the file says")
+    height, width = (text.count(value, "image size") for value in rows[4])
+    centre, affine = (rows[2][0], rows[2][1]), (rows[3][0], rows[3][1], rows[3][2])
+    if abs(affine[0] - affine[1] * affine[2]) < 1e-6:
+        raise text.refuse("the affine parameters are singular")
+    if polynomial[0] > 0:  # written by programs that look along +z
+        polynomial = -polynomial
+    return closest_camera(_scaramuzza(np.array(polynomial), centre, affine), (width, height))
 
 
 def radial_corrected(

@@ -8,12 +8,12 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from ..arrays import Array, Mask
+from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint, ReaderOptions
-from .convert import ERROR_MARGIN, convert_in_image, samples
+from .convert import convert_in_image, differences
 from .foreign_models import closest_camera, radial_corrected
 from .format import Format
 from .members import Members
@@ -41,8 +41,17 @@ class Lensfun(Format):
     )
 
     def convert(self, source: ExportSource) -> Conversion:
-        conversion = convert_in_image(source, self.constraints)
-        return Conversion(conversion.camera, *_away(source.camera, conversion.camera))
+        radial = convert_in_image(source, self.constraints).camera
+        a, b, c, s = polynomial(radial)
+
+        def project(rays: Array) -> Array:
+            r = s * _corrected_radii(radial, rays)
+            distorted = half(radial) * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
+            side = np.hypot(rays[:, 0], rays[:, 1])
+            scale = distorted / np.maximum(side, 1e-300)
+            return np.asarray(radial.matrix[:2, 2] + rays[:, :2] * scale[:, None])
+
+        return Conversion(radial, *differences(source.camera, project, _max_angle(radial)))
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         c = conversion.camera
@@ -97,9 +106,11 @@ def polynomial(camera: Camera) -> Array:
     reach = math.hypot(max(cx, w - 1 - cx), max(cy, h - 1 - cy))
     radius = np.linspace(0, reach, 400)[1:]
     rays = camera.unproject(np.stack([cx + radius, np.full_like(radius, cy)], axis=1))
-    visible, rho = _corrected_radii(camera, rays)
+    radii = _corrected_radii(camera, rays)
+    visible = np.isfinite(radii)
     if visible.sum() < 10:
         raise CalibrationError("not_representable", "too little of the image can be corrected")
+    rho = radii[visible]
     terms = np.stack([rho**4, rho**3, rho**2, rho], axis=1)
     # every ring of the picture counts by its area
     weight = np.sqrt(radius[visible])
@@ -113,27 +124,17 @@ def polynomial(camera: Camera) -> Array:
     return result
 
 
-def _corrected_radii(camera: Camera, rays: Array) -> tuple[Mask, Array]:
-    """Return which rays (n, 3) the corrected picture shows, and their radii in it, rho of `polynomial`."""
+def _max_angle(camera: Camera) -> float:
+    """Angle from the axis, radians, up to which the corrected picture shows rays."""
+    return np.pi if camera.model == "fisheye" else 1.5
+
+
+def _corrected_radii(camera: Camera, rays: Array) -> Array:
+    """Radii (n,) of rays (n, 3) in the corrected picture, rho of `polynomial`; NaN where it shows none."""
     angle = np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2])
-    fisheye = camera.model == "fisheye"
-    visible: Mask = np.isfinite(angle) & (angle < (np.pi if fisheye else 1.5))
-    return visible, camera.matrix[0, 0] * (angle if fisheye else np.tan(angle))[visible] / half(camera)
-
-
-def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
-    """Largest distance, px, of the polynomial from the camera over the image, and the share it reaches."""
-    q = samples(camera.img_size)
-    rays = camera.unproject(q)
-    visible, rho = _corrected_radii(radial, rays)
-    a, b, c, s = polynomial(radial)
-    r = s * rho
-    distorted = half(camera) * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
-    side = rays[visible, :2]
-    side = side / np.maximum(np.hypot(side[:, 0], side[:, 1]), 1e-300)[:, None]
-    away = np.linalg.norm(radial.matrix[:2, 2] + side * distorted[:, None] - q[visible], axis=1)
-    count = np.isfinite(rays).all(axis=1).sum()
-    return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(visible.sum() / max(count, 1))
+    angle = np.where(angle < _max_angle(camera), angle, np.nan)
+    radii = angle if camera.model == "fisheye" else np.tan(angle)
+    return np.asarray(camera.matrix[0, 0] * radii / half(camera))
 
 
 def is_lens(members: Members) -> bool:

@@ -6,22 +6,25 @@ import io
 import math
 import zipfile
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from .. import rotation
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..board import Board
+from ..camera import Camera
 from ..errors import CalibrationError
+from ..fitting.fit import refine
+from ..fitting.resection import reprojection_score
 from ..view import View
 from . import text
 from .base import ANY_MODEL, Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv, matrix_of
-from .convert import all_points
+from .convert import all_points, compare, fit_constrained
 from .format import Format
-from .optimum import MIN_USED_POINTS, at_optimum, resect_used
 
 SIZES = {
     "LENSMODEL_PINHOLE": 0,
@@ -39,6 +42,8 @@ OLD_NAMES = {
 MIN_NOTED_INFLATION = 1.2
 """Inflation from which mrcal's own uncertainty, which is that of white noise, is a tenth too small."""
 MAX_UNZIPPED_BYTES = 64_000_000
+MIN_USED_POINTS = 6
+"""Points of a view with which it counts."""
 
 
 class Mrcal(Format):
@@ -54,7 +59,7 @@ class Mrcal(Format):
 
     def convert(self, source: ExportSource) -> Conversion:
         conversion = super().convert(source)
-        return at_optimum(source, conversion) if source.views and source.board else conversion
+        return _at_optimum(source, conversion) if source.views and source.board else conversion
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         c = conversion.camera
@@ -87,7 +92,8 @@ class Mrcal(Format):
         for grid, view, mask in zip(observed, views, used, strict=True):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
             grid[row, column, :2], grid[row, column, 2] = view.image_points, np.where(mask, 1.0, -1.0)
-        poses = resect_used(conversion.camera, views, used)
+        points = [view.subset(mask) for view, mask in zip(views, used, strict=True)]
+        poses = np.array(reprojection_score(conversion.camera, points).poses)
         poses[:, 3:] += rotation.matrix(poses[:, :3]) @ np.array([1.0, 1.0, 0.0])
         n = len(views)
         indices = np.stack([np.arange(n), np.zeros(n), np.full(n, -1)], axis=1).astype(np.int32)
@@ -116,6 +122,35 @@ class Mrcal(Format):
         packed = io.BytesIO()
         np.savez_compressed(packed, allow_pickle=False, **inputs)
         return base64.b85encode(packed.getvalue())
+
+
+def _at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
+    """Return a conversion whose camera is the least-squares optimum of the points that `used` names.
+
+    A camera that the file holds exactly stays as it is: its fit ended there but for a weak prior.
+    """
+    camera = conversion.camera
+    used = conversion.used or _used_points(camera, source.views)
+    if conversion.error == 0:
+        return replace(conversion, used=used)
+    subsets = [v.subset(m) for v, m in zip(source.views, used, strict=True)]
+    views = tuple(view for view in subsets if len(view) >= MIN_USED_POINTS)
+    try:
+        better = fit_constrained(camera, ModelConstraint(camera.model), views, all_points(views))
+        return replace(compare(source.camera, better), used=used)
+    except (CalibrationError, np.linalg.LinAlgError):
+        return replace(conversion, used=used)
+
+
+def _used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
+    """Return for each view which points (n,) a robust fit at a camera keeps; all if it fails."""
+    try:
+        poses = reprojection_score(camera, views).poses
+        if np.isfinite(poses).all():
+            return refine(views, camera, poses).used
+    except CalibrationError:
+        pass
+    return all_points(views)
 
 
 def _white_noise_note(source: ExportSource) -> list[str]:

@@ -1,6 +1,6 @@
 """Readers of other tools' files, by their kind."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,9 +8,8 @@ from . import (
     artoolkit,
     colmap,
     document,
+    foreign_models,
     mrcal,
-    native,
-    ocamcalib,
     plain_values,
     text,
 )
@@ -22,8 +21,6 @@ def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile
 
     Raises CalibrationError ``malformed``, which says what is missing or wrong.
     """
-    if isinstance(data, Mapping) and {"img_size", "camera_matrix", "distortion_coefficients"} <= data.keys():
-        return native.read(data)
     cameras = document.cameras(data)
     if not cameras:
         raise document.describe_unknown(data)
@@ -88,7 +85,7 @@ def _of_values(parse: Callable[[str], object]) -> Callable[[str, ReaderOptions],
 
 
 _TEXT_READERS: Sequence[tuple[Callable[[str], Any], Callable[[str, ReaderOptions], ImportedFile]]] = (
-    (ocamcalib.is_results, lambda content, _: ocamcalib.read(content)),
+    (foreign_models.is_ocamcalib, lambda content, _: foreign_models.read_ocamcalib(content)),
     (lambda content: content.lstrip().startswith("<"), _of_values(plain_values.xml)),
     (mrcal.is_model, lambda content, _: mrcal.read(content)),
     (plain_values.is_ros_ini, _of_values(plain_values.ros_ini)),

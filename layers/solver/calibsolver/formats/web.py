@@ -1,6 +1,8 @@
 """Formats for pages: the WebXR attributes, and glTF's camera."""
 
 import math
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from .format import Format
 NEAR, FAR = 0.1, 1000.0
 
 
-def projection_matrix(camera: Camera, near: float = NEAR, far: float = FAR) -> Array:
+def projection_matrix(camera: Camera) -> Array:
     """Return OpenGL's projection (4, 4) of the camera without its distortion, the viewport its whole image.
 
     Column vectors; clip space as in WebXR: x right, y up, the view frame diag(1, -1, -1) times ours.
@@ -24,7 +26,7 @@ def projection_matrix(camera: Camera, near: float = NEAR, far: float = FAR) -> A
     p[0, 0], p[1, 1] = 2 * k[0, 0] / w, 2 * k[1, 1] / h
     # pixel centres are at whole numbers, the edge of the viewport is half a pixel further out
     p[0, 2], p[1, 2] = 1 - 2 * (k[0, 2] + 0.5) / w, 2 * (k[1, 2] + 0.5) / h - 1
-    p[2, 2], p[2, 3], p[3, 2] = -(far + near) / (far - near), -2 * far * near / (far - near), -1
+    p[2, 2], p[2, 3], p[3, 2] = -(FAR + NEAR) / (FAR - NEAR), -2 * FAR * NEAR / (FAR - NEAR), -1
     return p
 
 
@@ -77,20 +79,19 @@ class Gltf(Format):
                 "znear": NEAR,
                 "zfar": FAR,
             },
-            "extras": {
-                "img_size": [w, h],
-                "camera_matrix": k.tolist(),
-                "distortion_model": c.model,
-                "distortion_coefficients": c.distortion.tolist(),
-                "warning": conversion.warning,
-            },
+            "extras": {**c.record(), "warning": conversion.warning},
         }
-        return text.dump(
-            {
-                "asset": {"version": "2.0", "generator": "calibDB"},
-                "scene": 0,
-                "scenes": [{"nodes": [0]}],
-                "nodes": [{"name": source.name, "camera": 0}],
-                "cameras": [camera],
-            }
-        )
+        return text.dump(scene([{"name": source.name, "camera": 0}], [camera]))
+
+
+def scene(
+    nodes: Sequence[Mapping[str, Any]], cameras: Sequence[Mapping[str, Any]], **asset: Any
+) -> dict[str, Any]:
+    """Return a glTF document whose scene has these nodes."""
+    return {
+        "asset": {"version": "2.0", "generator": "calibDB", **asset},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(nodes)))}],
+        "nodes": nodes,
+        "cameras": cameras,
+    }

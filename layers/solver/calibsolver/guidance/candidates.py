@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import models, rotation
-from ..arrays import Array, IntArray, Mask
+from ..arrays import Array, Mask, subsample
 from ..board import Board
 from ..camera import Camera
 from ..fitting.normal_equations import Poses
@@ -80,11 +80,6 @@ class CornerGrid:
         support = (board.support[ids.ravel()] - points[:, None, None])[..., :2].transpose(1, 2, 3, 0)
         multiplicity = rows * columns / len(points)
         return cls(np.ascontiguousarray(points.T), len(y), len(x), step, multiplicity, support)
-
-
-def subsample(count: int, max_count: int) -> IntArray:
-    """At most `max_count` evenly spaced indices from 0 to `count` - 1, both ends among them."""
-    return np.linspace(0, count - 1, min(count, max_count)).round().astype(np.int64)
 
 
 def r_sequence(count: int, offset: int) -> Array:
@@ -215,7 +210,7 @@ def is_in_front(poses: Poses, board: Board, rays: RayGrid) -> Mask:
     """True if all of the board, visible or not, is in front of the camera and faces it (c,)."""
     p = poses.r @ board.outline.T + poses.t[:, :, None]
     length = np.sqrt(np.einsum("cin,cin->cn", p, p))
-    half_view = np.degrees(np.arccos(np.nanmin(rays.rays[:, :, 2])))
+    half_view = np.degrees(np.arccos(np.nanmin(rays.rays[:, :, 2], initial=1.0)))
     widest = np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))
     front = (p[:, 2] / length).min(axis=1) >= np.cos(widest)
     front &= np.einsum("ci,cin->cn", poses.r[:, :, 2], p).min(axis=1) > 0

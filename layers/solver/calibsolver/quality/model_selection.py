@@ -9,7 +9,8 @@ import numpy as np
 from .. import models
 from ..errors import CalibrationError, format_px_error, undetermined
 from ..fitting.calibration import Calibration
-from ..fitting.fit import MIN_POINTS, fit
+from ..fitting.fit import fit
+from ..fitting.validation import MIN_POINTS
 from ..view import View
 from .cross_validation import HeldOut, held_out
 

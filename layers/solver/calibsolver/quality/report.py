@@ -10,7 +10,7 @@ from ..errors import undetermined
 from ..fitting.board_shape import BoardShape
 from ..fitting.calibration import Calibration
 from ..view import View
-from .assessment import assess
+from .assessment import Reason, assess
 from .systematic import probable_cause
 
 _PRINT: Mapping[str | None, str] = {
@@ -56,7 +56,10 @@ def describe(
     shape = calibration.board_shape
     reasons = verdict.reasons
     if cause is not None and cause.is_noticeable:  # replaces the suspicion of the model
-        reasons = (*(each for each in reasons if each.code != "model_too_simple"), cause.reason)
+        reasons = (
+            *(each for each in reasons if each.code != "model_too_simple"),
+            Reason(cause.code, cause.text),
+        )
     level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..fitting.calibration import Calibration
-from ..fitting.rivals import Hull, Rival, Rivals
+from ..fitting.uncertainty import Hull, Rival, Rivals
 from ..view import View
 from .model_selection import MAX_EQUAL_RATIO, fit_other_models
 

@@ -8,7 +8,6 @@ model explains the noise that its fit does away with.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -20,7 +19,7 @@ from ..fitting.calibration import Calibration
 from ..fitting.normal_equations import POSE_SIZE, Poses, linearize
 from ..fitting.observations import Observations
 from ..view import View
-from .assessment import REFERENCE_WIDTH_PX, Reason, has_fixed_pattern
+from .assessment import REFERENCE_WIDTH_PX, has_fixed_pattern
 from .model_selection import fit_other_models, simplicity_rank
 
 Code = Literal["board_bent", "motion", "focus_changed", "model_too_simple"]
@@ -82,11 +81,6 @@ class Cause:
         """True if it explains so much that no other model is to blame."""
         return self.share >= MAX_SHARE_BESIDE_MODEL
 
-    @property
-    def reason(self) -> Reason:
-        """Reason of a verdict."""
-        return Reason(self.code, self.text)
-
 
 @undetermined()
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
@@ -102,8 +96,9 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
     most = max(shares.values())
     model, share = _NO_MODEL
     if most < MAX_SHARE_BESIDE_MODEL:
-        compute = partial(_better_model, calibration, views)
-        model, share = deadline.compute_within(MAX_MODELS_S, compute, _NO_MODEL)
+        model, share = deadline.compute_within(
+            MAX_MODELS_S, lambda: _better_model(calibration, views), _NO_MODEL
+        )
     most = max(most, share)
     if most < MIN_EXPLAINED_SHARE:
         return None

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import deadline, models
+from .. import deadline
 from ..board import Board
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting.uncertainty import projection_jacobian_rotation_free, variance
+from ..fitting.uncertainty import square_errors
 from ..guidance.hints import Hint, Placement, largest_difference
 from ..guidance.target import TargetPose
 from .calibration import RigCalibration
@@ -146,11 +146,8 @@ def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
 
 def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dict[str, Any]:
     camera = calibration.cameras[position]
-    d = projection_jacobian_rotation_free(
-        models.get(camera.model), camera.intrinsics, camera.img_size, UNCERTAINTY_GRID
-    )
-    square = variance(d, calibration.intrinsics_covariance(position))
-    square = np.maximum(square[np.isfinite(square)], 0)
+    square = square_errors(camera, calibration.intrinsics_covariance(position), UNCERTAINTY_GRID)
+    square = square[np.isfinite(square)]
     if not square.size:
         square = np.array([float(max(camera.img_size)) ** 2])
     counted = [
@@ -160,10 +157,7 @@ def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dic
     ]
     points = sum(n for _, n in counted)
     return {
-        "img_size": list(camera.img_size),
-        "camera_matrix": camera.matrix.tolist(),
-        "distortion_coefficients": camera.distortion.tolist(),
-        "distortion_model": camera.model,
+        **camera.record(),
         "avg_reprojection_error": float(np.sqrt(sum(e**2 * n for e, n in counted) / max(points, 1))),
         "uncertainty": {"rms": float(np.sqrt(square.mean())), "max": float(np.sqrt(square.max()))},
         "systematic": calibration.inflation,

@@ -18,12 +18,12 @@ from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance, systematic_effects
 from ..fitting.fit import MIN_SHAPE_VIEWS
+from ..fitting.homography import medians
 from ..fitting.levenberg_marquardt import NOISE_FLOOR, Options, State
 from ..fitting.mixed_fit import MixedFit
 from ..fitting.mixed_model import SHAPE_SIZE
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
-from ..fitting.robust_homography import medians
 from ..fitting.validation import MIN_POINTS
 from ..rotation import vector
 from . import transfer
@@ -187,7 +187,7 @@ class _RigFit:
         k = problem.pack([each.camera.intrinsics for each in self.alone], motions)
         state = problem.at(k, Poses(*stack([each.board for each in self.located])))
         if not self.robust:
-            return self._result(problem.solve(state, outliers.unit_weights(self.mask), Options()), self.mask)
+            return self._result(problem.solve(state, self.mask, Options()), self.mask)
         state, good = self._begin(state)
         among = self.mask
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
@@ -227,7 +227,7 @@ class _RigFit:
         problem, near = self.problem, self._near_start(state)
         begun: list[tuple[bool, int, State, Mask]] = []
         for first in (self.mask,) if near is self.mask else (self.mask, near):
-            moved = problem.solve(state, outliers.unit_weights(first), TOWARDS_OPTIMUM)
+            moved = problem.solve(state, first, TOWARDS_OPTIMUM)
             fitted, good = self._least_squares(moved, self.mask, first)
             believed = fitted.converged and not self._is_contradictory(fitted, good)
             is_linked = not self._find_unlinked(good)
@@ -272,7 +272,7 @@ class _RigFit:
             left[row, slots] = False
             if self._find_unlinked(left):
                 continue
-            moved = self.problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
+            moved = self.problem.solve(state, left, TOWARDS_OPTIMUM)
             if moved.is_finite:
                 candidates.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
         if not candidates:
@@ -302,7 +302,7 @@ class _RigFit:
         inliers = self._inliers(state, among, first, outliers.GROSS_OUTLIER_SIGMAS)
         state, good = self._reject_outliers(state, among, inliers)
         if state.converged and good.any() and not np.array_equal(inliers, good):
-            tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+            tails = self.problem.solve(state, inliers, Options())
             ratio = np.mean(tails.square[inliers]) / np.mean(state.square[good])
             if ratio < MAX_TAIL_RMS_RATIO**2:
                 return tails, inliers
@@ -331,7 +331,7 @@ class _RigFit:
         for _ in range(MAX_REJECTIONS):
             if self._find_unlinked(good):
                 return state, good  # refused later
-            state = self.problem.solve(state, outliers.unit_weights(good), ROUND)
+            state = self.problem.solve(state, good, ROUND)
             previous, good = good, self._inliers(state, mask, good, outliers.OUTLIER_SIGMAS)
             unsettled += not state.converged
             if unsettled == MAX_UNSETTLED_ROUNDS:

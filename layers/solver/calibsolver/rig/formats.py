@@ -224,14 +224,7 @@ def _gltf(source: RigSource, _: Sequence[_Converted]) -> Files:
         w, x, y, z = quaternion(rotation.vector(turn)).tolist()
         place = (flip @ back.t).tolist()
         nodes.append({"name": source.name(i), "camera": i, "rotation": [x, y, z, w], "translation": place})
-    scene = {
-        "asset": {"version": "2.0", "generator": "calibDB", "extras": {"unit": source.unit}},
-        "scene": 0,
-        "scenes": [{"nodes": list(range(len(nodes)))}],
-        "nodes": nodes,
-        "cameras": cameras,
-    }
-    return {"rig.gltf": text.dump(scene)}
+    return {"rig.gltf": text.dump(web.scene(nodes, cameras, extras={"unit": source.unit}))}
 
 
 def _json(source: RigSource, _: Sequence[_Converted]) -> Files:

@@ -19,9 +19,8 @@ from .. import models, rotation
 from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
-from ..fitting.approximation import Approximation, approximate
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
+from ..fitting.fit import Approximation, approximate, fit
 from ..fitting.observations import Observations
 from ..fitting.resection import resect
 from ..fitting.validation import MIN_POINTS, check

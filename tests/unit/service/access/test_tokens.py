@@ -54,6 +54,10 @@ def test_a_token_is_its_hash() -> None:
         (("https://a.example",), "http://a.example", False),
         (("https://a.example",), "null", False),
         (("https://a.example",), None, True),
+        (("http://localhost",), "http://localhost:5173", True),
+        (("http://127.0.0.1:8000",), "http://127.0.0.1:8000", True),
+        (("http://127.0.0.1:8000",), "http://127.0.0.1", False),
+        (("https://app.localhost",), "https://app.localhost:8443", True),
     ],
 )
 def test_origins(origins: tuple[str, ...], origin: str | None, admitted: bool) -> None:
@@ -110,3 +114,4 @@ def test_contributors_and_sources_are_keyed_hashes() -> None:
 )
 def test_a_source_is_an_address_or_a_site(one: str, other: str, *, same: bool) -> None:
     assert (source("key", one) == source("key", other)) is same
+    assert source("key", other).startswith("v6-") == other.startswith("2001:"), "votes count one family"

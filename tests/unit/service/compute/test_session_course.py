@@ -22,6 +22,6 @@ def test_session_has_the_guidance_and_the_exclusions_of_its_document() -> None:
     assert isinstance(session.rules.guide, PoseSelection)
     assert not session.rules.recorded
     assert {i: each.reason for i, each in session.excluded.items()} == {1: "outlier"}
-    assert len(session.active) == 1
+    assert len(session.views) == 2
     rig = session_rules.begin(request, "0" * 32, 1, 0, rig=RigMembership(id="1" * 32, position=0))
     assert Session.of(rig).rules.recorded, "a rig ends its captures"

@@ -4,26 +4,28 @@ from typing import Any
 
 import pytest
 
+from calibdb.camera_key import camera_key, identify
 from calibdb.lookup import camera_match
-from calibdb.lookup.camera_match import LookupQuery, choose
+from calibdb.lookup.camera_match import choose
 from calibdb.schema import ConsensusDocument
+from calibdb.schema.fields import StreamKey
 from calibdb.store import CameraRecords
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 
 SIZE = (1280, 720)
 
 
-def query(label: str, platform: str = LINUX) -> LookupQuery:
-    return LookupQuery(label, platform, SIZE, 0.0, "rectilinear")
+def query(label: str, platform: str = LINUX) -> StreamKey:
+    return StreamKey(camera=label, platform=platform, img_size=SIZE)
 
 
 FIREFOX = query("HD Pro Webcam C920", "Windows NT 10.0; Win64; x64")
-NAMED, CHROME = FIREFOX.identity, query(C920).identity
-OTHER = query("HD Pro Webcam C920 (046d:0892)").identity
+NAMED, CHROME = identify(FIREFOX.camera, FIREFOX.platform), identify(C920, LINUX)
+OTHER = identify("HD Pro Webcam C920 (046d:0892)", LINUX)
 
 
 def resolve(
-    index: dict[str, CameraRecords], asked: LookupQuery = FIREFOX, *, private: bool = False
+    index: dict[str, CameraRecords], asked: StreamKey = FIREFOX, *, private: bool = False
 ) -> tuple[str, object, int]:
     keys: list[str] = []
 
@@ -33,7 +35,7 @@ def resolve(
 
     found = camera_match.resolve(read, asked, private=private)
     assert len(keys) <= 2
-    assert keys[0] == asked.identity.key
+    assert keys[0] == camera_key(asked.camera, asked.platform)
     return found.key, found.choice.found, len(keys)
 
 
@@ -53,7 +55,6 @@ def test_calibrations_of_the_name_come_first() -> None:
 def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
     def of(contributors: int, **made: Any) -> ConsensusDocument:
         stored = consensus(**made)
-        assert stored.calibration is not None
         said = stored.calibration.model_copy(update={"contributors": contributors})
         return stored.model_copy(update={"calibration": said})
 
@@ -94,11 +95,13 @@ def test_uncalibrated_usb_id_finds_its_name() -> None:
 
 
 def test_generic_name_is_found_on_private_deployments_only() -> None:
-    asked, with_id = query("Integrated Camera"), query("Integrated Camera (04f2:b6d0)").identity
-    named = asked.identity.key
+    asked, with_id = query("Integrated Camera"), identify("Integrated Camera (04f2:b6d0)", LINUX)
+    named = camera_key("Integrated Camera", LINUX)
     index = {named: CameraRecords([], (with_id.key,)), with_id.key: CameraRecords([consensus()])}
     assert resolve(index, asked) == (named, None, 1)
+    assert camera_match.unanswerable_reason(asked, private=False) == camera_match.AMBIGUOUS
     assert resolve(index, asked, private=True)[0] == with_id.key
+    assert camera_match.unanswerable_reason(asked, private=True) is None
 
 
 def test_computable_model_is_an_answer() -> None:
@@ -133,13 +136,11 @@ def test_closest_size(
     known = [stored(size) for size in sizes]
     for order in (known, known[::-1]):
         choice = choose(order, asked, 0.0, "rectilinear")
-        assert choice.found is not None
         assert choice.found.img_size == answered
 
 
 def test_only_reliable_consensuses_answer() -> None:
     choice = choose([stored(HD, reason="disagree"), stored(VGA)], HD, 0.0, "rectilinear")
-    assert choice.found is not None
     assert choice.found.img_size == VGA
     choice = choose([stored(HD, reason="disagree"), stored(VGA, reason="too_few")], HD, 0.0, "rectilinear")
     assert (choice.found, choice.reason) == (None, "disagree")

@@ -5,7 +5,7 @@ import ssl
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -172,11 +172,18 @@ def test_answer_that_drips_ends_in_time(tmp_path: Path) -> None:
         stop.set()
 
 
-def test_handshake_that_hangs_ends_in_time() -> None:
+def test_handshake_that_drips_ends_in_time() -> None:
+    def drip(listener: socket.socket) -> None:
+        with suppress(OSError), listener.accept()[0] as connection:
+            for byte in b"\x16\x03\x03\x40\x00\x02\x00\x3f\xfc" + bytes(1000):  # a long record
+                connection.send(bytes([byte]))
+                time.sleep(0.01)
+
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        silent = hosts.ProofHost(listener.getsockname()[1], ssl.create_default_context())
+        threading.Thread(target=drip, args=(listener,), daemon=True).start()
+        slow = hosts.ProofHost(listener.getsockname()[1], ssl.create_default_context())
         with timed_out():
-            fetch(silent, max_s=MAX_S)
+            fetch(slow, max_s=MAX_S)
 
 
 def test_resolver_that_hangs_ends_in_time() -> None:

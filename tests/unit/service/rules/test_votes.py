@@ -1,7 +1,8 @@
-"""Votes of checks on fresh views, and their limits."""
+"""Votes of checks on fresh views and their limits, and names that most contributors gave."""
 
 import pytest
 
+from calibdb.rules.contributed_name import mode_names
 from calibdb.rules.votes import (
     Finding,
     OwnCamera,
@@ -10,9 +11,11 @@ from calibdb.rules.votes import (
     is_explained,
     tally,
     vote_id,
+    with_votes,
 )
-from calibdb.schema import CheckRequest, CheckView, Votes
+from calibdb.schema import CheckRequest, Votes
 from calibdb.settings import Thresholds
+from tests.helpers.service.known import consensus
 
 NOW = 1_700_000_000
 DAY = 86_400
@@ -56,6 +59,12 @@ def test_contributors_do_not_vote_on_their_calibrations() -> None:
     assert tally(votes, NOW, frozenset({"a", "b"}), one_per_source=False) == Votes(agree=2, disagree=1)
 
 
+def test_addresses_of_both_families_count_by_one() -> None:
+    """A line of the network has two."""
+    votes = found(("a", True), ("v6-a", True), ("b", True), ("v6-c", False))
+    assert tally(votes, NOW, frozenset(), one_per_source=True) == Votes(agree=2, disagree=1)
+
+
 @pytest.mark.parametrize(
     ("reason", "agree", "disagree", "expected"),
     [
@@ -73,7 +82,15 @@ def test_three_confirm_and_three_withdraw(
     reason: str | None, agree: int, disagree: int, expected: tuple[str | None, str | None]
 ) -> None:
     votes = Votes(agree=agree, disagree=disagree)
-    assert decide_reliability(reason, votes, RULE, confirmable=True, contributors=5) == expected  # type: ignore[arg-type]
+    assert decide_reliability(reason, votes, RULE, confirmable=True, contributors=5) == expected
+
+
+def test_ten_contributors_need_four_votes_to_withdraw() -> None:
+    known = consensus()
+    widely = known.model_copy(
+        update={"calibration": known.calibration.model_copy(update={"contributors": 10})}
+    )
+    assert [with_votes(widely, Votes(disagree=n), "", RULE).reliable for n in (3, 4)] == [True, False]
 
 
 def test_unconfirmable_calibrations_stay_unreliable() -> None:
@@ -82,7 +99,7 @@ def test_unconfirmable_calibrations_stay_unreliable() -> None:
 
 
 def test_a_vote_is_one_of_its_contributor_camera_size_and_day() -> None:
-    view = CheckView(ids=(0,), points=((1.0, 1.0),))
+    view = {"ids": (0,), "points": ((1.0, 1.0),)}
     asked = CheckRequest(camera="C", platform="P", img_size=(1280, 720), views=(view,))
     sid = f"{NOW:08x}0123456789abcdef"
 
@@ -104,3 +121,14 @@ def test_a_vote_is_one_of_its_contributor_camera_size_and_day() -> None:
     assert len({name(), *others}) == 7
     assert name() < name(now=midnight + DAY), "names sort by time"
     assert name(period=0) == name(who="b", now=NOW + 99, period=0), "of one session it is one"
+
+
+def test_group_has_the_name_that_most_of_its_contributors_gave() -> None:
+    def named(*names: str) -> list[tuple[str, str]]:
+        return [(str(number), name) for number, name in enumerate(names)]
+
+    on = named("Stabilisation on", "Zoomed", "stabilisation on", "")
+    assert mode_names([on, named("Off"), named("")]) == ("Stabilisation on", "Off", None)
+    assert mode_names([named("Wide"), named("wide")]) == (None, None), "groups of one name have none"
+    assert mode_names([[*[("a", "Zoomed")] * 3, ("b", "On"), ("c", "On")]]) == ("On",)
+    assert mode_names([named("<b>")]) == (None,)

@@ -171,17 +171,14 @@ def test_seed_that_poses_the_first_view_is_kept() -> None:
         assert decision.seed_rejected is rejected
 
 
-@pytest.mark.parametrize("xi", [1.0, -1.0])
-def test_seed_with_an_unbelievable_focal_length_is_not_used(xi: float) -> None:
-    """0.06 image widths, though the camera matrix says 0.12; and infinite."""
-    matrix = np.array([[0.12 * 1280, 0, 640], [0, 0.12 * 1280, 360], [0, 0, 1]])
-    seed = Camera("omnidirectional", matrix, np.array([xi, 0, 0, 0, 0]), SIZE)
-    assert Capture(BOARD, SIZE, "omnidirectional", seed=seed).seed is None
-
-
-@pytest.mark.parametrize("factor", [0.003, 50.0, np.nan])
-def test_malformed_seed_is_ignored(factor: float) -> None:
-    assert Capture(BOARD, SIZE, seed=with_focal_length(factor)).seed is None
+def test_seed_that_is_no_believable_camera_is_not_used() -> None:
+    """A focal length of 0.1 image widths, though the camera matrix says 0.2; and an infinite one."""
+    f = 0.2 * 1280
+    wide = [np.array([f, f, 640, 360, xi, 0, 0, 0, 0]) for xi in (1.0, -1.0)]
+    seeds = [with_focal_length(factor) for factor in (0.003, 50.0, np.nan)]
+    seeds += [Camera.from_intrinsics("omnidirectional", k, SIZE) for k in wide]
+    for seed in seeds:
+        assert Capture(BOARD, SIZE, seed.model, seed=seed).seed is None
 
 
 FALLING = (None, 9.0, 5.0, 3.0, 2.0, 1.5, 1.2, 1.0, 0.8, 0.6)

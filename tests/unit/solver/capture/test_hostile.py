@@ -1,15 +1,15 @@
 """Hostile views: an honest user can still finish the session after any sequence of them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, rotation
-from calibsolver.capture import MAX_VIEWS, Capture, Estimate, Exclusion, History
-from calibsolver.guidance import TargetPose
+from calibsolver.capture import MAX_VIEWS, Capture, Exclusion, History
+from calibsolver.capture.consistency import Consistency
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
 
@@ -22,21 +22,14 @@ HIDDEN = pytest.mark.xfail(
 Hostile = Callable[["Session", View], View]
 
 
-@dataclass
-class Session:
-    """A capture as the service keeps it: views, exclusions, quarantined views, the open target."""
+class Session(synthetic.Sitting):
+    """A capture, its open target, and the reasons of refusals."""
 
-    seed: int = 0
-    views: list[View] = field(default_factory=list)
-    quarantined: list[View] = field(default_factory=list)
-    reasons: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.rules = Capture(BOARD, SIZE)
-        self.history = History()
-        self.rng = np.random.default_rng(self.seed)
-        self.estimate: Estimate = self.rules.estimate([])
-        self.target: TargetPose = self.rules.next_target([], self.estimate)
+    def __init__(self, seed: int = 0, **rules: Any) -> None:
+        super().__init__(Capture(BOARD, SIZE, **rules))
+        self.rng = np.random.default_rng(seed)
+        self.reasons: list[str] = []
+        self.target = self.rules.next_target([], self.estimate)
 
     def honest(self, camera: Camera = CAMERA) -> View:
         """The board held where the picture shows it, about, before `camera`."""
@@ -44,17 +37,12 @@ class Session:
         return synthetic.detect(BOARD, camera, *synthetic.User().hold(BOARD, asked, self.rng), self.rng)
 
     def submit(self, view: View) -> bool:
-        decision = self.rules.judge(
-            self.views, self.target, view, self.estimate.excluded, self.quarantined, self.history
-        )
-        self.history = decision.after(self.history)
+        decision = self.offer(self.target, view)
         if decision.estimate is None:
             assert decision.reason is not None
             assert decision.hint is not None
             self.reasons.append(decision.reason)
-            self.quarantined = [*self.quarantined, view][-4:] if decision.quarantine else self.quarantined
             return False
-        self.views, self.quarantined, self.estimate = [*self.views, view], [], decision.estimate
         if not self.estimate.converged:
             self.target = self.rules.next_target(self.views, self.estimate)
         return True
@@ -211,8 +199,7 @@ def test_undo_and_exclusion_refit_the_remaining_views() -> None:
 
 @pytest.mark.parametrize("before", [9, *thorough(0)])
 def test_capture_ends_where_the_error_falls_no_more(before: int) -> None:
-    session = Session(seed=7)
-    session.rules = Capture(BOARD, SIZE, target_error=0.001)
+    session = Session(seed=7, target_error=0.001)
     if before:
         session.views = populations.views(CAMERA, np.random.default_rng(0), count=before)
         session.estimate = session.rules.estimate(session.views)
@@ -229,8 +216,7 @@ def test_capture_ends_where_the_error_falls_no_more(before: int) -> None:
 @pytest.mark.parametrize("before", [13, *thorough(0)])
 def test_capture_off_the_target_ends_at_max_views_with_advice(before: int) -> None:
     """A user who ignores the outline is refused duplicates only, and the capture ends."""
-    session = Session(seed=7)
-    session.rules = Capture(BOARD, SIZE, target_error=0.001)
+    session = Session(seed=7, target_error=0.001)
 
     def anywhere() -> View:
         rvec = np.radians(25) * session.rng.normal(size=3)
@@ -252,8 +238,7 @@ def test_capture_off_the_target_ends_at_max_views_with_advice(before: int) -> No
 @pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_rational_model_converges_on_noiseless_corners(seed: int) -> None:
     """A simulated camera: nothing but rounding and the prior determines what is not seen."""
-    session = Session(seed=seed)
-    session.rules = Capture(BOARD, SIZE, model="rational")
+    session = Session(seed=seed, model="rational")
 
     def noiseless() -> View:
         q = CAMERA.project(BOARD.points @ session.target.r.T + session.target.tvec)
@@ -271,3 +256,33 @@ def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> Non
     tvec = middle - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
     assert session.submit(synthetic.detect(BOARD, CAMERA, rvec, tvec, session.rng, noise=0))
     session.finish(6)
+
+
+# Rotation vectors, and places of the board's middle, in squares
+POSES = [
+    ((0.5, 0.0, 0.0), (0, 0, 11)),
+    ((-0.5, 0.1, 0.1), (3, 1, 12)),
+    ((0.0, 0.6, 0.0), (-3, 1, 12)),
+    ((0.1, -0.6, 0.2), (2, -1, 13)),
+    ((0.4, 0.4, 1.5), (-2, -1, 12)),
+    ((-0.3, -0.4, 0.0), (0, 1, 14)),
+]
+
+
+def view_of(camera: Camera, index: int) -> View:
+    """The board in the pose of that number, before a camera."""
+    turn, middle = POSES[index]
+    rvec = np.array(turn)
+    tvec = np.array(middle) - rotation.matrix(rvec) @ (4.5, 3, 0)
+    return synthetic.detect(BOARD, camera, rvec, tvec, np.random.default_rng(index))
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_view_of_another_camera_is_an_outlier_and_conflicts_with_the_next_view(place: int) -> None:
+    views = [view_of(CAMERA, index) for index in range(len(POSES))]
+    consistency = Consistency(SIZE, "rectilinear")
+    assert consistency.find_outlier_view(views) is None
+    assert consistency.find_conflicting_view(views[:4], views[5]) is None
+    views[place] = view_of(other_camera(), place)
+    assert consistency.find_outlier_view(views) == place
+    assert consistency.find_conflicting_view(views[:4], views[5]) == place

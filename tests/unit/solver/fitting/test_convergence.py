@@ -7,11 +7,24 @@ import pytest
 
 from calibsolver import fit, models
 from calibsolver.fitting.initial_guess import focal_sweep
-from calibsolver.fitting.levenberg_marquardt import Options, Problem, State
+from calibsolver.fitting.levenberg_marquardt import Options, Problem
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
 from calibsolver.fitting.robust_covariance import cluster_grams, with_more_points
 from tests.helpers import data
+
+
+def count_calls(monkeypatch: pytest.MonkeyPatch, name: str) -> list[str]:
+    """Names of the calls of a method of problems from now on."""
+    calls: list[str] = []
+    method = getattr(Problem, name)
+
+    def counted(*arguments: Any) -> Any:
+        calls.append(name)
+        return method(*arguments)
+
+    monkeypatch.setattr(Problem, name, counted)
+    return calls
 
 
 def test_model_that_is_too_simple_settles_in_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -24,18 +37,10 @@ def test_model_that_is_too_simple_settles_in_few_steps(monkeypatch: pytest.Monke
     k[:2] *= 1.02
     k[4:] *= 1.05
     begun = problem.at(k, Poses.of_vectors(optimum.poses))
-    count = 0
-    at = Problem.at
-
-    def counted(self: Problem, k: np.ndarray, poses: Poses) -> object:
-        nonlocal count
-        count += 1
-        return at(self, k, poses)
-
-    monkeypatch.setattr(Problem, "at", counted)
+    calls = count_calls(monkeypatch, "at")
     state = problem.solve(begun, obs.mask, Options())
     assert state.converged
-    assert count <= 6
+    assert len(calls) <= 6
     deviations = np.sqrt(np.diagonal(optimum.covariance))
     assert np.abs((state.k - optimum.camera.intrinsics) / deviations).max() < 1e-3
 
@@ -54,16 +59,9 @@ def test_gram_matrices_with_more_points_are_those_of_all_of_them() -> None:
 def test_omnidirectional_fit_goes_straight_along_its_valley(monkeypatch: pytest.MonkeyPatch) -> None:
     """With boards that move by the generalised focal length it takes 120 linearizations."""
     views, img_size = data.corner_views("jy_left")
-    count, take_step = 0, Problem._take_step
-
-    def counted(*arguments: Any) -> State | None:
-        nonlocal count
-        count += 1
-        return take_step(*arguments)
-
-    monkeypatch.setattr(Problem, "_take_step", counted)
+    calls = count_calls(monkeypatch, "_take_step")
     fit(views, img_size, "omnidirectional", board_shape=False)
-    assert count <= 40
+    assert len(calls) <= 40
 
 
 @pytest.mark.parametrize("name", ["opencv_left", "opencv_right", "jy_left"])

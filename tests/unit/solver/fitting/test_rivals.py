@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Camera
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting.coverage import Coverage, record_covered
-from calibsolver.fitting.rivals import Hull, Rival, Rivals
+from calibsolver.fitting.uncertainty import Hull, Rival, Rivals
 from calibsolver.quality.rivals import with_rivals
 from tests.bench.extrapolation import corner_hull, errors
 from tests.helpers.data import corner_views

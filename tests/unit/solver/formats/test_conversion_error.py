@@ -2,18 +2,33 @@
 
 import ast
 import base64
+import contextlib
 import io
+import time
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, Camera, View, fit, formats, image_transform, models
+from calibsolver import (
+    Board,
+    CalibrationError,
+    Camera,
+    DeadlineError,
+    View,
+    deadline,
+    fit,
+    formats,
+    image_transform,
+    models,
+)
 from calibsolver.fitting.levenberg_marquardt import Options, Problem
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
-from calibsolver.formats import ExportSource
+from calibsolver.formats import ExportSource, ModelConstraint
+from calibsolver.formats.convert import share_behind
+from calibsolver.formats.ray_fit import fit_to_rays, sampled_rays
 from tests.helpers.data import corner_views, on_board
 from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, populations, synthetic
@@ -142,23 +157,22 @@ def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
         assert turned.coverage == upright.coverage
 
 
-def test_transform_is_a_crop_and_resize_then_a_turn() -> None:
-    part = image_transform.crop(IMG_SIZE, (100, 60), (800, 500))
-    resized = part.then(image_transform.resize((800, 500), (400, 300)))
-    turned = resized.then(image_transform.rotate((400, 300), 270))
-    transform = turned.then(image_transform.mirror((300, 400)))
-    upright, turn = transform.split()
-    assert upright.img_size == (400, 300)
-    assert (np.diag(upright.linear) > 0).all()
-    q = np.array([[100.0, 60.0], [899.0, 559.0], [333.0, 444.0]])
-    assert np.allclose(turn.pixels(upright.pixels(q)), transform.pixels(q), rtol=0, atol=1e-9)
-
-
 def test_kalibr_file_with_a_centre_outside_is_refused() -> None:
     right = image_transform.crop(IMG_SIZE, (700, 0), (580, 720))
     with pytest.raises(CalibrationError, match="Kalibr refuses a principal point"):
         formats.write(subject("fisheye"), "kalibr", right)
     assert formats.write(subject("fisheye"), "ros", right).error == 0
+
+
+def test_kalibr_file_of_a_camera_that_it_cannot_hold_does_not_turn_it() -> None:
+    """In a rig that would contradict the poses. A fit of keypoints was 2.7 px off on average."""
+    k = np.array([600.0, 602, 650, 370, -0.28, 0.09, 0.001, -0.0005, -0.01])
+    camera = Camera.from_intrinsics("rectilinear", k, IMG_SIZE)
+    conversion = formats.FORMATS["kalibr"].convert(ExportSource(camera))
+    rays, q = image_rays(camera, 33, 25)
+    away = conversion.camera.project(rays) - q
+    assert np.linalg.norm(away.mean(axis=0)) < 0.3
+    assert np.linalg.norm(away, axis=1).max() <= conversion.error < 6
 
 
 @pytest.mark.parametrize(
@@ -186,3 +200,41 @@ def test_another_model_is_fitted_in_the_boards_shape(number: int) -> None:
     conversion = formats.FORMATS["gyroflow"].convert(ExportSource(own, tuple(views)))
     assert conversion.camera.model == "fisheye"
     assert synthetic.rms_error(camera, conversion.camera) < 0.4
+
+
+NARROW = synthetic.rectilinear_cameras()[6]
+
+
+@pytest.mark.parametrize("size", [(1280, 1), (15, 720)])
+def test_part_below_16_px_is_refused(size: tuple[int, int]) -> None:
+    part = image_transform.crop(NARROW.img_size, (0, 0), size)
+    with pytest.raises(CalibrationError, match=f"{size[0]} x {size[1]} px") as refused:
+        formats.write(ExportSource(NARROW), "lensfun", part)
+    assert refused.value.code == "not_representable"
+
+
+@pytest.mark.parametrize("name", formats.FORMAT_NAMES)
+def test_small_part_is_written_with_a_finite_error_or_refused(name: str) -> None:
+    part = image_transform.crop(NARROW.img_size, (0, 0), (16, 16))
+    error = coverage = 0.0
+    begun = time.thread_time()
+    short = deadline.limit(lambda: begun + 0.3 - time.thread_time())
+    with short, contextlib.suppress(CalibrationError, DeadlineError):
+        written = formats.write(ExportSource(NARROW), name, part)
+        error, coverage = written.error, written.coverage
+    assert np.isfinite([error, coverage]).all()
+
+
+def test_share_behind_of_a_fisheye_without_a_ray_is_none() -> None:
+    """Of a lens that folds at once, far from its principal point, no pixel has a ray."""
+    k = np.array([0.5, 0.5, 1e7, 1e7, -9e3, 0, 0, 0])
+    assert share_behind(Camera.from_intrinsics("fisheye", k, (1280, 720))) == 0.0
+
+
+def test_unified_camera_model_contains_every_plane() -> None:
+    """The ray fit finds a camera of another model if there is one that draws the same picture."""
+    k = np.array([598.761, 595.207, 648.835, 347.389, -0.17478, 0.05, 0, 0, 0])
+    camera = Camera.from_intrinsics("rectilinear", k, (1280, 720))
+    found = fit_to_rays(camera, ModelConstraint("omnidirectional"))
+    rays, q = sampled_rays(camera, models.get("omnidirectional").max_angle)
+    assert np.abs(found.project(rays.T) - q.T).max() < 1e-3  # px

@@ -39,6 +39,21 @@ def targets(kind: str) -> list[tuple[Camera, TargetPose]]:
 
 
 @pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
+def test_poses_are_near_and_visible(kind: str) -> None:
+    for camera, target in targets(kind):
+        p = BOARD.outline @ target.r.T + target.tvec
+        if kind == "rectilinear":
+            assert (p[:, 2] > 0).all()
+        # Seen from the front: every line of sight meets the printed side.
+        assert (p @ target.r[:, 2] > 0).all()
+        assert len(target.ids) >= 0.6 * BOARD.corner_count
+        assert np.linalg.norm(p.mean(axis=0)) < 4 * BOARD.size[0]
+        q = camera.project(BOARD.points[list(target.ids)] @ target.r.T + target.tvec)
+        np.testing.assert_allclose(q, target.corners, atol=1e-9)
+        assert target.gain > 0
+
+
+@pytest.mark.parametrize("kind", ["rectilinear", "fisheye"])
 def test_picture_shows_corners_at_their_coordinates(kind: str) -> None:
     for camera, target in targets(kind):
         green = np.ascontiguousarray(drawn(BOARD, camera, target)[:, :, 1])

@@ -1,5 +1,7 @@
 """Properties of every model at any plausible intrinsics."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -44,6 +46,12 @@ def drawn(name: str, seed: int, count: int = 60) -> tuple[Camera, Array]:
     return camera, points
 
 
+def derivative(function: Callable[[float], Array], step: float) -> Array:
+    """Derivative at 0, by values at two steps to either side."""
+    near, far = (function(step * n) - function(-step * n) for n in (1, 2))
+    return (8 * near - far) / (12 * step)
+
+
 @pytest.mark.parametrize("name", models.NAMES)
 @given(seed=seeds)
 @budget
@@ -55,11 +63,7 @@ def test_jacobians_equal_finite_differences(name: str, seed: int) -> None:
 
     def difference(by_axis: Array, by_point: Array, step: float) -> Array:
         """Derivative of the projection while both intrinsics and points move."""
-
-        def at(h: float) -> Array:
-            return model.project(k + h * by_axis, p + h * by_point)
-
-        return (8 * (at(step) - at(-step)) - (at(2 * step) - at(-2 * step))) / (12 * step)
+        return derivative(lambda h: model.project(k + h * by_axis, p + h * by_point), step)
 
     for i, axis in enumerate(np.eye(model.size)):
         numeric = difference(axis, np.zeros_like(p), 3e-4 * max(abs(k[i]), 0.01))
@@ -108,9 +112,8 @@ def test_prior_jacobian_equals_finite_differences(name: str, seed: int) -> None:
     _, j = prior.residuals(model, k, SIZE)
     for i, axis in enumerate(np.eye(model.size)):
         # As small as rounding allows: at a stretch of 1, where its logarithm begins, the slope has a bend.
-        h = 1e-5 * max(abs(k[i]), 0.01) * axis
-        one, two = ([prior.residuals(model, k + n * s * h, SIZE)[0] for s in (1, -1)] for n in (1, 2))
-        numeric = (8 * (one[0] - one[1]) - (two[0] - two[1])) / (12 * np.abs(h).sum())
+        step = 1e-5 * max(abs(k[i]), 0.01)
+        numeric = derivative(lambda h, axis=axis: prior.residuals(model, k + h * axis, SIZE)[0], step)
         np.testing.assert_allclose(j[:, i], numeric, atol=1e-6 * np.abs(numeric).max())
 
 
@@ -120,7 +123,7 @@ def test_radial_derivative_equals_finite_differences(seed: int) -> None:
     camera, points = drawn("rational", seed)
     model, d = models.get("rational"), np.array(camera.distortion)
     d[2:4] = 0
-    r, h = np.linalg.norm(points[:, :2], axis=1) / points[:, 2], 1e-4
-    ends = (model.distort(d, np.stack([r + s * h, 0 * r, 0 * r + 1]))[0] for s in (1, -1))
+    r = np.linalg.norm(points[:, :2], axis=1) / points[:, 2]
+    numeric = derivative(lambda h: model.distort(d, np.stack([r + h, 0 * r, 0 * r + 1]))[0], 1e-4)
     value, _, _ = model.radial_derivative(d, r**2) or (r, r, r)
-    np.testing.assert_allclose(value, (next(ends) - next(ends)) / (2 * h), atol=1e-6)
+    np.testing.assert_allclose(value, numeric, atol=1e-6)

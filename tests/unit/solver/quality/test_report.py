@@ -11,7 +11,6 @@ from calibsolver.fitting.board_shape import BoardShape
 from calibsolver.fitting.coverage import Coverage
 from calibsolver.quality.assessment import EDGES, level_of
 from calibsolver.quality.report import assess, board_sentence, describe
-from tests.helpers.data import corner_views
 from tests.helpers.solver import populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
@@ -24,12 +23,6 @@ def codes(calibration: Calibration, views: list[View], held_out: float | None = 
 def good() -> tuple[Calibration, list[View]]:
     views = populations.views(CAMERA, np.random.default_rng(0))
     return fit(views, CAMERA.img_size), views
-
-
-def test_a_good_capture_is_called_good() -> None:
-    calibration, views = good()
-    verdict = assess(calibration, views, 1.05 * calibration.avg_reprojection_error)
-    assert (verdict.level, verdict.reasons) == ("good", ())
 
 
 def test_views_in_the_middle_without_tilt() -> None:
@@ -70,17 +63,6 @@ def test_noise_outliers_and_views_left_out() -> None:
     assert codes(fit(wild, CAMERA.img_size), wild) == {"outliers"}
 
 
-def test_systematic_residuals_are_reported() -> None:
-    """OpenCV's fisheye lens, real: the rectilinear model errs by 0.15 px everywhere alike.
-
-    Halves of these views differ by some px towards the corners, which no board reached: uncertain either way.
-    """
-    views, size = corner_views("jy_left")
-    drawn, named = fit(views, size, board_shape=False), fit(views, size, "fisheye", board_shape=False)
-    assert codes(drawn, views) == {"model_too_simple", "uncertain"}
-    assert codes(named, views) == {"uncertain"}
-
-
 @pytest.mark.parametrize(
     ("whole", "inside", "covered", "level"),
     [
@@ -119,6 +101,7 @@ def test_side_that_has_not_seen_the_board_is_named_first(side: str) -> None:
 def test_overfitting_is_reported_by_held_out_views() -> None:
     calibration, views = good()
     train = calibration.avg_reprojection_error
+    assert codes(calibration, views, 1.05 * train) == set()
     assert codes(calibration, views, 2 * train) == {"over_fitted"}
     assert assess(calibration, views, 5 * train).level == "poor"
 
@@ -151,7 +134,6 @@ def test_description_is_json_of_the_fit() -> None:
     assert description["std"]["fx"] == pytest.approx(std[0], rel=0.01)
     assert description["std"]["distortion"] == pytest.approx(std[4:], rel=0.01)
     assert np.array(description["error_map"]["px"]) == pytest.approx(calibration.projection_std(), rel=0.01)
-    assert np.shape(description["error_map"]["px"]) == (15, 20)
     assert [view["index"] for view in description["views"]] == [*range(10, 16)]
     for i, view in enumerate(description["views"]):
         assert np.array(view["points"]) == pytest.approx(views[i].image_points, abs=0.006)

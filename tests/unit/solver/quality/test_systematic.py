@@ -53,15 +53,13 @@ def test_capture_advises_what_to_do_about_the_cause(hand: hands.Hand, cause: str
 
 
 def test_board_that_bends_in_each_view_is_answered_with_advice() -> None:
-    """No shape corrects it. A board with the same bend in all views is taken into account without a word."""
-    camera, boards = synthetic.rectilinear_cameras()[5], np.random.default_rng(0)
-    same = populations.views(camera, np.random.default_rng(0), hand=hands.BENT)
-    each = [populations.views(camera, boards, hand=hands.BENT)[n] for n in range(len(same))]
-    for views, expected in ((same, []), (each, ["board_bent"])):
-        rules = Capture(populations.BOARD, camera.img_size, recorded=True)
-        estimate = rules.estimate(views).with_cause(views)
-        assert [advice.code for advice in estimate.advice] == expected
-    assert estimate.advice[0].text == (
+    """No shape corrects it."""
+    camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(0)
+    views = [populations.views(camera, rng, hand=hands.BENT)[n] for n in range(6)]
+    rules = Capture(populations.BOARD, camera.img_size, recorded=True)
+    (advice,) = rules.estimate(views).with_cause(views).advice
+    assert advice.code == "board_bent"
+    assert advice.text == (
         "The board bends from view to view: glue it to something rigid, such as glass or a tray."
     )
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, Camera, View, fit, rig
+from calibsolver import Board, CalibrationError, Camera, View, rig
 from calibsolver.arrays import Array
 from calibsolver.fitting.levenberg_marquardt import State
 from calibsolver.fitting.normal_equations import Poses
@@ -65,17 +65,6 @@ def test_real_pair_agrees_with_opencv_once_the_reversed_view_is_turned_back() ->
     assert as_opencv.rms == pytest.approx(rms, abs=5e-6)
 
 
-def test_intrinsics_that_are_held_stay_and_have_no_variance() -> None:
-    moments = rigs.real_pairs()
-    held = [fit([moment[i] for moment in moments], SIZE).camera for i in (0, 1)]
-    found = rig.fit(moments, held)
-    for i in (0, 1):
-        assert found.cameras[i].intrinsics.tolist() == held[i].intrinsics.tolist()
-    assert not found.covariance[:18].any()
-    assert (np.diagonal(found.covariance)[18:] > 0).all()
-    assert found.rms < 0.28
-
-
 def test_real_pair_predicts_moments_it_never_saw() -> None:
     """Pair 09 is numbered from both ends, in the part that is left out as well as in training."""
     moments = rigs.real_pairs()
@@ -86,7 +75,12 @@ def test_real_pair_predicts_moments_it_never_saw() -> None:
     drawn = rig.fit(moments, PAIR, board_shape=False)
     assert left_out < 0.98 * (rig.held_out_rms(moments, drawn) or 0), "the board is not as drawn"
     assert found.uncertainty.rms < drawn.uncertainty.rms
+    assert rig.held_out_rms(moments[:1], found) is None, "nothing would link the cameras"
     held = rig.fit(moments, found.cameras)
+    for mine, given in zip(held.cameras, found.cameras, strict=True):
+        assert mine.intrinsics.tolist() == given.intrinsics.tolist()
+    assert not held.covariance[:18].any()
+    assert (np.diagonal(held.covariance)[18:] > 0).all()
     assert found.rms < (rig.held_out_rms(moments, held) or np.inf) < left_out
 
 
@@ -105,33 +99,18 @@ def test_fit_predicts_the_error_of_stereo_and_mixed_rigs() -> None:
     assert 0.6 < np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(predicted))) < 1.5
 
 
-def test_fit_closes_a_ring_whose_neighbours_alone_share_views() -> None:
-    truth = rigs.ring([(WIDE if i % 2 else FLAT)[i // 2] for i in range(8)], 2.0)
-    moments = rigs.moments(truth, BOARD, 24, 0.2, np.random.default_rng(1))
-    assert all(not {i, (i + 4) % 8} <= set(moment) for moment in moments for i in range(8))
-    found, error = fitted(truth, moments)
-    assert error < 0.5
-    for one, other in zip(found.motions, truth.motions, strict=True):
-        assert angle_deg(one, other.r) < 0.2
-
-
 @pytest.mark.parametrize("seed", [2, *thorough(9)])
-def test_good_views_of_a_camera_that_is_known_badly_at_first_are_kept(seed: int) -> None:
-    """A camera with three views: its start is far from what it sees, and nothing is wrong."""
+def test_fit_closes_a_ring_whose_neighbours_alone_share_views(seed: int) -> None:
+    """A camera with three views has a start far from what it sees, and no view is wrong."""
     rng = np.random.default_rng(seed)
     cameras = [(WIDE if i % 2 else FLAT)[int(rng.integers(12))] for i in range(8)]
     truth = rigs.ring(cameras, 2.0)
-    found, _ = fitted(truth, rigs.moments(truth, BOARD, 24, 0.2, rng))
+    moments = rigs.moments(truth, BOARD, 24, 0.2, rng)
+    assert all(not {i, (i + 4) % 8} <= set(moment) for moment in moments for i in range(8))
+    found, error = fitted(truth, moments)
     assert found.set_aside == {}
     assert found.rms == pytest.approx(0.2 * np.sqrt(2), rel=0.05)
-
-
-def test_error_on_moments_left_out_is_the_noise_of_corners() -> None:
-    truth = rigs.side_by_side(FLAT[:3], 1.0)
-    moments = rigs.moments(truth, BOARD, 12, 0.2, np.random.default_rng(3))
-    found, _ = fitted(truth, moments)
-    assert rig.held_out_rms(moments, found) == pytest.approx(0.2 * np.sqrt(2), rel=0.05)
-    assert rig.held_out_rms(moments[:1], found) is None, "nothing would link the cameras"
+    assert error < 0.25
 
 
 def with_lies(truth: rigs.Rig, good: int, bad: int, rng: np.random.Generator) -> list[dict[int, View]]:
@@ -201,7 +180,6 @@ def test_another_boards_view_is_set_aside() -> None:
     ("change", "code", "words"),
     [
         (lambda m, c: (m, c[:1]), "bad_rig", "2 to 8 cameras"),
-        (lambda m, c: (m, c * 5), "bad_rig", "2 to 8 cameras"),
         (lambda _, c: ([], c), "no_views", "moments"),
         (lambda m, c: ([*m, {7: m[0][0]}], c), "bad_rig", "camera 7"),
         (lambda m, c: ([{0: each[0]} for each in m], c), "unlinked", "camera 1"),
@@ -281,17 +259,12 @@ def test_one_dense_view_among_many_costs_no_more_than_its_share() -> None:
     assert longest >= MIN_KEPT_POINTS
 
 
-def test_few_views_stay_themselves() -> None:
-    moments = [{i: view_of(BOARD) for i in range(8)} for _ in range(24)]
-    thinned = thin(moments, rig.MAX_ONLINE_POINTS)
-    assert all(a[i] is b[i] for a, b in zip(moments, thinned, strict=True) for i in a)
-
-
 @pytest.mark.parametrize("squares", [(50, 49), (24, 18), (14, 9), (18, 18), (9, 33)])
 def test_points_kept_are_from_all_over_the_board(squares: tuple[int, int]) -> None:
     board = Board(squares, dictionary="DICT_APRILTAG_36h10")
     kept = thin_view(view_of(board), MIN_KEPT_POINTS)
     assert len(kept) == MIN_KEPT_POINTS
+    assert thin_view(kept, MIN_KEPT_POINTS) is kept
     spread, whole = (
         np.linalg.svd(points[:, :2] - points[:, :2].mean(axis=0))[1]
         for points in (kept.object_points, board.points)

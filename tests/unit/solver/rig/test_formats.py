@@ -19,16 +19,14 @@ import yaml
 
 from calibsolver import CalibrationError, Camera
 from calibsolver.arrays import Array
-from calibsolver.formats import kalibr
 from calibsolver.rig import formats
 from calibsolver.rig.formats import RigSource
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
-from tests.helpers.marks import thorough
-from tests.helpers.rig_vectors import LENSES
 from tests.helpers.solver import rigs
+from tests.helpers.solver.export_sources import IMG_SIZE as SIZE
+from tests.helpers.solver.export_sources import truth
 
-SIZE = (1280, 720)
 THREE = ("rectilinear", "fisheye", "rational")
 STEPS: dict[str, Any] = {
     "beside": rigs.placed((0.12, 0.004, 0.002), (0.01, -0.03, 0.02)),
@@ -42,11 +40,10 @@ POINTS = np.array(
 
 
 def camera(model: str) -> Camera:
-    focal, coefficients = LENSES[model][0]
-    if model == "rectilinear":
-        coefficients = [*coefficients[:4], 0.0]  # Kalibr and COLMAP hold four
-    matrix = np.array([[focal, 0, 650.25], [0, 1.01 * focal, 352.5], [0, 0, 1.0]])
-    return Camera(model=model, matrix=matrix, distortion=np.array(coefficients), img_size=SIZE)
+    whole = truth(model)
+    if model != "rectilinear":
+        return whole
+    return Camera(model, whole.matrix, [*whole.distortion[:4], 0.0], SIZE)  # Kalibr and COLMAP hold four
 
 
 def source(models: Sequence[str] = ("rectilinear", "rectilinear"), step: str = "beside") -> RigSource:
@@ -250,21 +247,6 @@ def test_label_of_a_camera_is_no_member_of_a_file() -> None:
             unpacked(named, "mrcal").values(), unpacked(plain, "mrcal").values(), strict=True
         ):
             assert eval(one, {}) == eval(other, {})
-
-
-@pytest.mark.parametrize("count", [2, *thorough(8)])
-def test_kalibr_file_of_cameras_that_it_cannot_hold_turns_none(count: int) -> None:
-    lens = np.array([-0.28, 0.09, 0.001, -0.0005, -0.01])
-    camera = Camera("rectilinear", np.array([[600.0, 0, 650], [0, 602, 370], [0, 0, 1]]), lens, SIZE)
-    rig = RigSource([camera] * count, np.zeros((count, 6)))
-    written = formats.write(rig, "kalibr")
-    held = kalibr.read(yaml.safe_load(written.content)[f"cam{count - 1}"]).camera
-    assert held is not None
-    # A fit of keypoints was 2.7 px off on average, 10.6 px in a corner.
-    q = np.stack(np.meshgrid(np.linspace(0, 1279, 33), np.linspace(0, 719, 25)), axis=2).reshape(-1, 2)
-    away = held.project(camera.unproject(q)) - q
-    assert np.linalg.norm(away.mean(axis=0)) < 0.3
-    assert np.linalg.norm(away, axis=1).max() <= written.error < 6
 
 
 def test_mrcal_models_have_their_poses() -> None:
