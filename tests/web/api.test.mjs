@@ -1,9 +1,8 @@
 import assert from "node:assert/strict";
-import { createServer } from "node:http";
 import { test } from "node:test";
 import { isOffline, reach } from "../../web/lib/network.js";
 import { Api, ApiError, OfflineError } from "../../web/lib/api.js";
-import { inTurn, json } from "./globals.mjs";
+import { inTurn, json, setGlobals } from "./globals.mjs";
 
 /** A service that answers from a list, and remembers what it was asked and how long it was waited for. */
 function service(answers, transport = {}) {
@@ -87,18 +86,25 @@ test("a brief call gives up a silent server after one wait", async () => {
   assert.equal(calls.length, 1);
 });
 
-test("a silent server is offline", async () => {
-  const server = createServer((request, response) => {
-    if (request.url === "/half") response.writeHead(200, { "content-length": 10 }).write("half");
+/** A `fetch` that never ends but by its signal: nothing comes, or, of `/half`, only the headers. */
+function silentFetch(address, { signal }) {
+  return new Promise((answer, reject) => {
+    const end = (fail) =>
+      signal.aborted ? fail(signal.reason) : signal.addEventListener("abort", () => fail(signal.reason));
+    if (!address.endsWith("/half")) end(reject);
+    else answer(new Response(new ReadableStream({ start: (body) => end((reason) => body.error(reason)) })));
   });
-  await new Promise((done) => server.listen(0, "127.0.0.1", done));
-  const address = `http://127.0.0.1:${server.address().port}`;
-  const api = new Api(address, { timeout: 50 });
+}
+
+test("a silent server is offline", async (t) => {
+  setGlobals(t, { fetch: silentFetch });
+  const alive = setInterval(() => {}, 1000); // node does not wait for the timer of a signal
+  t.after(() => clearInterval(alive));
+  const api = new Api("https://silent.example", { timeout: 50 });
   await assert.rejects(api.json("GET", "/none", "sid", { brief: true }), OfflineError);
   await assert.rejects(api.json("GET", "/half", "sid", { brief: true }), OfflineError);
-  await assert.rejects(reach(`${address}/none`, { signal: AbortSignal.abort() }), { name: "AbortError" });
-  server.closeAllConnections();
-  server.close();
+  const aborted = { signal: AbortSignal.abort() };
+  await assert.rejects(reach("https://silent.example/none", aborted), { name: "AbortError" });
 });
 
 test("a programming error is not a lost network", async () => {
