@@ -46,7 +46,7 @@ IN_WORKER = """(key) => new Promise((resolve, reject) => {
 })"""
 #: that no other test calibrates
 README_CAMERA = "Camera of a README (1234:000b)"
-CAMERAS = webcam("C 1", "C 2", size=(640, 480))
+CAMERAS = webcam("C 1", "C 1")
 
 
 @pytest.fixture(scope="module")
