@@ -5,7 +5,7 @@ import { DEFAULT_BOARD, corners, markers, outline } from "../../web/lib/board.js
 import { advice, difference, jaccard } from "../../web/lib/capture/target.js";
 import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { BoardWatch } from "../../web/lib/capture/board-watch.js";
-import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
+import { BLIND, doubt, isSettled, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
 import { foreshortening, observedOutline } from "../../web/lib/board-outline.js";
 import { apply, homography } from "../../web/lib/homography.js";
 import { CHESSBOARD, METRICS, PINHOLE, distances, rectangle, rms, see } from "./scenes.mjs";
@@ -31,6 +31,21 @@ test("slow movement is movement: 1.5 px a frame never makes a long hold", () => 
     state = observe(state, at(100 + 1.5 * index), 50 * index, 1280);
     assert.ok(state.held <= 200, `held ${state.held} ms`);
   }
+});
+
+test("focus settles after a hold, a longer one where little of the board is seen, and not while it looks wrong", () => {
+  const settled = (count, held, suspected = null) =>
+    isSettled(
+      {
+        ...BLIND,
+        corners: { ids: [...Array(count).keys()], points: [] },
+        stillness: { ...MOVING, held },
+        diagnosis: { ...BLIND.diagnosis, suspected },
+      },
+      DEFAULT_BOARD,
+    );
+  assert.deepEqual([settled(24, 299), settled(24, 300), settled(24, 300, "blurred")], [false, true, false]);
+  assert.deepEqual([settled(23, 899), settled(23, 900), settled(23, 900, "blurred")], [false, true, false]);
 });
 
 test("the limit scales with the width of the image", () => {

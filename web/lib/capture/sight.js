@@ -62,7 +62,8 @@ const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
 const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
 const MIN_DISPLACEMENT_PX = 26; // at 1280 px image width: the service refuses duplicates within 25.6
 const SETTLED_MS = 300; // of holding still before the camera's focus is locked: less than a view takes
-const MIN_VISIBLE_SHARE = 0.6; // of the board's corners from which the lens is taken to be focused on it
+const MIN_VISIBLE_SHARE = 0.6; // of the board's corners from which the lens is taken to be focused on it,
+const PART_SETTLED_MS = 900; // or after so long a hold: a camera of a rig may never see more of the board
 
 /** @type {Sight<any>} */
 export const BLIND = {
@@ -164,11 +165,8 @@ export function movement({ outline, aim }, isMirrored, otherwise = "match") {
  * @param {Sight} sight @param {Board} board
  */
 export function isSettled({ corners, diagnosis, stillness }, { squares: [columns, rows] }) {
-  return (
-    diagnosis.suspected === null &&
-    stillness.held >= SETTLED_MS &&
-    corners.ids.length >= MIN_VISIBLE_SHARE * (columns - 1) * (rows - 1)
-  );
+  const isMostlySeen = corners.ids.length >= MIN_VISIBLE_SHARE * (columns - 1) * (rows - 1);
+  return diagnosis.suspected === null && stillness.held >= (isMostlySeen ? SETTLED_MS : PART_SETTLED_MS);
 }
 
 const PERSISTS = 700; // ms that something must look wrong before it is said
