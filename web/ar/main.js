@@ -1,10 +1,9 @@
 // Page /ar/, which shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { CameraError, cameras, offerCameras, open, play } from "../lib/camera.js";
+import { CameraError, cameras, deviceFaultText, offerCameras, open, play } from "../lib/camera.js";
 import { Detector, DetectorError, PageDetector } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
-import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";

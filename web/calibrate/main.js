@@ -1,6 +1,6 @@
 // Capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows the state.
 import { boardFrom } from "../lib/board.js";
-import { CameraError, cameras, open } from "../lib/camera.js";
+import { CameraError, cameras, deviceFault, open } from "../lib/camera.js";
 import { Detector, DetectorError, PageDetector } from "../lib/detector.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
@@ -9,7 +9,6 @@ import { isVirtual } from "../lib/camera-name.js";
 import { withDevice } from "../sdk/key.js";
 import { Announcer, Feedback } from "../lib/capture/feedback.js";
 import { acquireLock, heldLocks, openCaptureStore } from "../lib/capture/capture-store.js";
-import { deviceFault } from "../lib/capture/device-fault.js";
 import { Stream } from "../lib/capture/streams.js";
 import { Sizes, isLensDetected, modeName, nameBoard, offerLensTypes, takeSuggestion } from "./choices.js";
 import { connectControls, findParts } from "./parts.js";

@@ -1,4 +1,5 @@
 // Cameras of the device: the list, opening one at its native resolution, and errors that a person can act on.
+import { DetectorError } from "./detector.js";
 import { t } from "./i18n.js";
 import { isVirtual } from "./camera-name.js";
 import { labelOf, setupFrom } from "./virtual/setup.js";
@@ -220,3 +221,19 @@ export const LENS_TYPES = ["rectilinear", "rational", "fisheye", "omnidirectiona
 
 /** @param {string | null} name @returns {name is LensType} */
 export const isLensType = (name) => LENS_TYPES.some((type) => type === name);
+
+/**
+ * Code of a message `capture.fault_<code>` about a camera or a board detector, and what the browser says.
+ * @param {unknown} error @returns {{code: string, detail: string} | null} null: another error
+ */
+export function deviceFault(error) {
+  if (error instanceof CameraError) return { code: error.code, detail: error.detail };
+  if (error instanceof DetectorError) return { code: error.code, detail: error.message };
+  return null;
+}
+
+/** @param {unknown} error @returns {string} "" for another error */
+export function deviceFaultText(error) {
+  const fault = deviceFault(error);
+  return fault ? t(`capture.fault_${fault.code}`, { detail: fault.detail }) : "";
+}

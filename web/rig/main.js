@@ -3,10 +3,9 @@
 import { Api } from "../lib/api.js";
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { CameraError } from "../lib/camera.js";
+import { CameraError, deviceFaultText } from "../lib/camera.js";
 import { Announcer, Feedback } from "../lib/capture/feedback.js";
 import { acquireLock, heldLocks, openCaptureStore } from "../lib/capture/capture-store.js";
-import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { PageDetector } from "../lib/detector.js";
 import { pressByKeys, sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";

@@ -1,6 +1,5 @@
 // First sheet: the cameras of this device, what each delivers, and the other devices.
-import { LENS_TYPES, cameras, requestStream } from "../lib/camera.js";
-import { deviceFaultText } from "../lib/capture/device-fault.js";
+import { LENS_TYPES, cameras, deviceFaultText, requestStream } from "../lib/camera.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 
