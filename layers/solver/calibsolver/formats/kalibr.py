@@ -55,14 +55,18 @@ class Kalibr(Format):
 
 def is_foreign(cam: Mapping[Any, Any]) -> bool:
     """True if a camera of a camchain is of a model that calibsolver lacks, its parameters before fx."""
-    return {"camera_model", "intrinsics", "resolution"} <= cam.keys() and cam["camera_model"] in FOREIGN
+    return {"camera_model", "intrinsics", "resolution"} <= cam.keys() and _kind(cam) in FOREIGN
 
 
 def read_foreign(cam: Mapping[Any, Any]) -> ImportedFile:
     """Read such a camera: the closest one; CalibrationError ``malformed``."""
-    kind = cam["camera_model"]
+    kind = _kind(cam)
     if text.floats(cam.get("distortion_coeffs", []), "distortion_coeffs", 0, 8).any():
         raise text.refuse(f"Kalibr's {kind} with distortion_coeffs is not supported")
     values = text.floats(cam["intrinsics"], "intrinsics", 6, 6).tolist()
     named = dict(zip((*FOREIGN[kind], "fx", "fy", "cx", "cy"), values, strict=True))
     return generic.read({**named, "type": kind, "resolution": cam["resolution"]}, ReaderOptions())
+
+
+def _kind(cam: Mapping[Any, Any]) -> str:
+    return str(cam["camera_model"]).lower()

@@ -40,7 +40,7 @@ def test_basalt_and_kalibr_have_the_closest_camera_with_its_error(
     basalt = {"value0": {"intrinsics": [{"camera_type": kind, "intrinsics": values}], "resolution": [size]}}
     first = [values["xi"], values["alpha"]] if kind == "ds" else [values["alpha"], values["beta"]]
     numbers = [*first, *(values[name] for name in ("fx", "fy", "cx", "cy"))]
-    kalibr = {"cam0": {"camera_model": kind, "intrinsics": numbers, "resolution": size}}
+    kalibr = {"cam0": {"camera_model": kind.upper(), "intrinsics": numbers, "resolution": size}}
     for content in (basalt, kalibr):
         result = read_bytes(json.dumps(content).encode())
         assert result.camera is not None
@@ -49,6 +49,22 @@ def test_basalt_and_kalibr_have_the_closest_camera_with_its_error(
         off = np.linalg.norm(projected(kind, values, rays) - q, axis=1)
         assert off.max() < result.error + 0.2
         assert result.error < 1.0
+
+
+@pytest.mark.parametrize(
+    ("members", "reason"),
+    [
+        ({"camera_model": [], "distortion_model": "fov"}, "fov"),
+        ({"camera_model": "ds", "intrinsics": [*DS.values()]}, "distortion_coeffs is not supported"),
+        ({"camera_model": "omni", "intrinsics": [1, 900, 900, 640, 360], "distortion_model": "equi"}, "with"),
+    ],
+)
+def test_other_camera_of_a_camchain_is_refused(members: dict[str, object], reason: str) -> None:
+    pinhole = {"camera_model": "pinhole", "distortion_model": "radtan", "distortion_coeffs": [0.1, 0, 0, 0]}
+    cam = {"intrinsics": [900, 900, 640, 360], "resolution": [1280, 720], **pinhole, **members}
+    with pytest.raises(CalibrationError, match=reason) as refused:
+        read_bytes(json.dumps({"cam0": cam}).encode())
+    assert refused.value.code == "malformed"
 
 
 def test_ocamcalib_looks_along_z_and_counts_rows_first() -> None:
