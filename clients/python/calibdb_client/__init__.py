@@ -6,8 +6,8 @@
         "HD Pro Webcam C920 (046d:082d)", platform="X11; Linux x86_64", size=(1280, 720)
     )
 
-Other names than errors are imported when they are first used: the import itself loads neither numpy, nor
-OpenCV, nor a network.
+Most names are imported when they are first used: the import itself loads neither numpy, nor OpenCV, nor a
+network.
 """
 
 from importlib import import_module
