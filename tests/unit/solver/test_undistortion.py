@@ -8,6 +8,9 @@ from calibsolver import CalibrationError, Camera, models
 from calibsolver.arrays import Array
 from calibsolver.image_transform import resize
 from calibsolver.undistortion import new_camera_matrix, remap_tables
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
+from tests.helpers.solver.computed_once import fit_once
 from tests.helpers.solver.export_sources import IMG_SIZE, truth
 
 SIZE = (320, 180)
@@ -66,3 +69,10 @@ def test_values_that_cannot_be_used_are_refused() -> None:
         new_camera_matrix(FOLDED, 1.5)
     with pytest.raises(CalibrationError, match="invertible"):
         remap_tables(FOLDED, np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize("name", corner_sets(["mint_isaw", "jy_left"]))
+def test_real_calibration_has_a_new_matrix(name: str) -> None:
+    camera = fit_once(*corner_views(name), "fisheye").camera
+    assert np.isfinite(new_camera_matrix(camera, 1.0)).all()
+    assert share_with_colour(camera, new_camera_matrix(camera)) > 0.999

@@ -11,7 +11,8 @@ from calibsolver import Calibration, CalibrationError, Camera, View, fit
 from calibsolver.consensus import fit_memory
 from calibsolver.consensus.agreement import difference
 from calibsolver.consensus.pooling import Consensus, Member, Rule, pool
-from tests.helpers.data import corner_views
+from calibsolver.image_transform import resize
+from tests.helpers.data import corner_views, external_data
 from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import attacks, hands, populations, synthetic
 
@@ -143,6 +144,19 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     located = pool(told_apart, size, model, Rule(min_contributors=3))
     assert located.members == tuple("01234")
     assert located.calibration.uncertainty().rms < 6, "also at the rim of a fisheye's domain"
+
+
+@external_data
+def test_another_mode_of_a_real_camera_is_kept_out() -> None:
+    """Pictures of 960 px, resized to the 640 px of five contributors."""
+    views, size = corner_views("pv_picam_640")
+    others, other_size = corner_views("pv_picam_960")
+    rng = np.random.default_rng(0)
+    order, drawn = rng.permutation(len(views)), rng.permutation(len(others))[:4]
+    members = [Member(str(a), str(a), tuple(views[i] for i in order[4 * a : 4 * a + 4])) for a in range(5)]
+    resized = [resize(other_size, size).view(others[i]) for i in drawn]
+    found = pool([*members, Member("other mode", "5", tuple(resized))], size, "rectilinear")
+    assert found.members == tuple("01234")
 
 
 def test_contributors_with_bent_boards_agree_in_the_shape_of_each() -> None:

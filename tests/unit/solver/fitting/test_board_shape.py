@@ -10,7 +10,7 @@ from calibsolver import Camera, View, fit, image_transform
 from calibsolver.fitting.board_shape import MAX_STRETCH, BoardShape
 from calibsolver.fitting.fit import MIN_SHAPE_VIEWS
 from calibsolver.quality import held_out
-from tests.helpers.data import corner_views
+from tests.helpers.data import corner_views, external_data
 from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import hands, populations, synthetic
 
@@ -126,3 +126,10 @@ def test_shape_moves_points_by_its_parameters() -> None:
     moved = shape.apply(view).object_points - view.object_points
     x, y = ((view.object_points[:, :2] - (4.5, 3.0)) / 4.0).T
     np.testing.assert_allclose(moved, np.stack([0.004 * x, -0.004 * y, 0.08 * x * x], axis=1), atol=1e-12)
+
+
+@external_data
+def test_shape_leaves_pixels_square() -> None:
+    views, size = corner_views("pv_charuco_1280")
+    fx, fy = fit(views, size).camera.focal
+    assert fx == pytest.approx(fy, rel=0.004)
