@@ -236,6 +236,7 @@ def refused(name: str, content: str | bytes, reason: str) -> None:
 
 def test_binary_large_and_deep_files_are_refused() -> None:
     refused("camera.pkl", b"\x80\x04\x95", "pickle")
+    refused("matlab.mat", b"MATLAB 5.0 MAT-file, Platform", "MATLAB")
     refused("ros.tar.gz", b"\x1f\x8b\x08\x00", "unpack")
     refused("image.json", b"\x89PNG\r\n\xff\xfe", "no text")
     refused("deep.yaml", "a: " + "[" * 500 + "]" * 500, "nested too deeply")

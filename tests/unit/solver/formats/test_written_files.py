@@ -365,9 +365,15 @@ def test_dng_opcode_equals_opencvs_undistortion(model: str) -> None:
         assert (number, values[0]) == (1, 1.0)
         maps = cv2.initUndistortRectifyMap(k, d, np.eye(3), new, IMG_SIZE, cv2.CV_32FC1)
     x, y = np.meshgrid(np.arange(0, W, 16), np.arange(0, H, 16))
-    ours = warped(content, np.stack([x.ravel(), y.ravel()], axis=1).astype(float))
+    corrected = np.stack([x.ravel(), y.ravel()], axis=1).astype(float)
+    ours = warped(content, corrected)
     theirs = np.stack([maps[0][y, x].ravel(), maps[1][y, x].ravel()], axis=1)
     assert np.abs(ours - theirs).max() < 1e-3
+    rays = np.column_stack([(corrected - new[:2, 2]) / new[0, 0], np.ones(len(corrected))])
+    q = mine.camera.project(rays)
+    inside = ((q >= 0) & (q <= (W - 1, H - 1))).all(axis=1)
+    away = np.linalg.norm(q - ours, axis=1)[inside].max()
+    assert 0.5 * held.error < away <= held.error + 1e-3
 
 
 def test_dng_fisheye_refits_four_terms() -> None:
