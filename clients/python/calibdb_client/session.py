@@ -49,7 +49,10 @@ class CaptureResult:
     verdict: tuple[str, ...] = ()
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
-        """Return the sentence `Board.shape_sentence`."""
+        """Return a sentence on the bend and the print of the board; None if it was taken as drawn.
+
+        Lengths are in millimetres if `square_mm`, the side of a square, is given.
+        """
         recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
         if recording is None:
             return Board().shape_sentence(shape, None)

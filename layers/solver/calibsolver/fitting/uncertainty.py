@@ -133,7 +133,11 @@ class Rival:
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """Cameras that explain the views as well, and the hull of the corners, outside of which they count."""
+    """Cameras of other models that explain the views as well, and the hull of the corners.
+
+    In the hull they draw the same picture. Outside of it only the form of the model decides. The covariance
+    takes the model for granted, so there the distance of the rivals is part of the error.
+    """
 
     rivals: tuple[Rival, ...]
     hull: Hull

@@ -1,4 +1,4 @@
-"""OpenCV's FileStorage, YAML and JSON, under the names that calibration programs have long used."""
+"""OpenCV's FileStorage, YAML and JSON, under the names that programs have long used, and calibDB's JSON."""
 
 from dataclasses import replace
 
