@@ -17,6 +17,7 @@ from . import (
     kalibr,
     lensfun,
     mrcal,
+    native,
     opencv,
     opensfm,
     photonvision,
@@ -29,7 +30,7 @@ from .format import Format
 FORMATS: dict[str, Format] = {
     form.name: form
     for form in (
-        opencv.NativeJson(),
+        native.NativeJson(),
         opencv.OpenCvYaml(),
         opencv.OpenCvJson(),
         ros.Ros(),
@@ -92,7 +93,7 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
             "not_representable", "this part of the picture leaves the camera undetermined"
         ) from None
     # Several formats are YAML: files of one camera are to lie side by side.
-    kind = "" if name == opencv.NativeJson.name else f"-{name}"
+    kind = "" if name == native.NativeJson.name else f"-{name}"
     return ExportedFile(
         content=content,
         media_type=form.media_type,

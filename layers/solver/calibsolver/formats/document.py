@@ -83,8 +83,8 @@ def _reader(data: Mapping[Any, Any], members: Members) -> Callable[[Any], Import
         return opensfm.read
     if "colmap_model" in data:
         return colmap.read
-    if kalibr.is_foreign(data):
-        return kalibr.read_foreign
+    if "camera_model" in data and "intrinsics" in data and "resolution" in data:
+        return kalibr.read
     if agisoft.is_calibration(members):
         return agisoft.read
     if agisoft.is_sensor(members):

@@ -69,6 +69,11 @@ def named_rays(members: Members, matrix: Array) -> Unprojection | None:
     if kind not in names or not all(name in members for name in names[kind]):
         return None
     one, other = (text.scalar(members.get(name), name) for name in names[kind])
+    return rays_of_kind(kind, matrix, one, other)
+
+
+def rays_of_kind(kind: str, matrix: Array, one: float, other: float) -> Unprojection:
+    """Return the rays of a double sphere camera (xi, alpha) or an extended unified one (alpha, beta)."""
     rays = _double_sphere if kind.startswith("d") else _extended_unified
 
     def rays_of(q: Array) -> Array:

@@ -1,16 +1,15 @@
 """Kalibr's camchain. Its reader wants exactly four coefficients, whole resolutions and floats elsewhere."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from ..errors import CalibrationError
-from . import generic, text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint, ReaderOptions
+from . import text
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .coefficients import make_camera, matrix_of, pad_coefficients
+from .foreign_models import closest_camera, rays_of_kind
 from .format import Format
 
-FOREIGN = {"ds": ("xi", "alpha"), "eucm": ("alpha", "beta")}
+INTRINSICS_COUNTS = {"pinhole": 4, "omni": 5}
 
 
 class Kalibr(Format):
@@ -53,20 +52,29 @@ class Kalibr(Format):
         )
 
 
-def is_foreign(cam: Mapping[Any, Any]) -> bool:
-    """True if a camera of a camchain is of a model that calibsolver lacks, its parameters before fx."""
-    return {"camera_model", "intrinsics", "resolution"} <= cam.keys() and _kind(cam) in FOREIGN
-
-
-def read_foreign(cam: Mapping[Any, Any]) -> ImportedFile:
-    """Read such a camera: the closest one; CalibrationError ``malformed``."""
-    kind = _kind(cam)
-    if text.floats(cam.get("distortion_coeffs", []), "distortion_coeffs", 0, 8).any():
-        raise text.refuse(f"Kalibr's {kind} with distortion_coeffs is not supported")
-    values = text.floats(cam["intrinsics"], "intrinsics", 6, 6).tolist()
-    named = dict(zip((*FOREIGN[kind], "fx", "fy", "cx", "cy"), values, strict=True))
-    return generic.read({**named, "type": kind, "resolution": cam["resolution"]}, ReaderOptions())
-
-
-def _kind(cam: Mapping[Any, Any]) -> str:
-    return str(cam["camera_model"]).lower()
+def read(cam: object) -> ImportedFile:
+    """Read one camera of a parsed camchain; CalibrationError ``malformed``."""
+    w, h = text.floats(text.member(cam, "resolution"), "resolution", 2, 2)
+    kind = str(text.member(cam, "camera_model")).lower()
+    members = cam if isinstance(cam, dict) else {}
+    model = str(members.get("distortion_model", "")).lower()
+    values = text.floats(text.member(cam, "intrinsics"), "intrinsics", 4, 6)
+    d = text.floats(members.get("distortion_coeffs", []), "distortion_coeffs", 0, 8)
+    matrix = matrix_of(*values[-4:])
+    size = text.width_height((w, h), ("resolution", "resolution"))
+    if kind in ("ds", "eucm") and len(values) == 6 and not d.any():
+        return closest_camera(rays_of_kind(kind, matrix, *values[:2].tolist()), size)
+    if model in ("", "none") and not d.any():
+        model, d = "radtan", np.zeros(4)
+    if len(values) == INTRINSICS_COUNTS.get(kind) and len(d) == 4:
+        if kind == "pinhole" and model in ("equidistant", "equi"):
+            return ImportedFile(make_camera("fisheye", matrix, d, size))
+        if kind == "pinhole" and model == "radtan":
+            return ImportedFile(make_camera("rectilinear", matrix, pad_coefficients(d, 5), size))
+        if kind == "omni" and model == "radtan":
+            full = np.concatenate([values[:1], d])
+            return ImportedFile(make_camera("omnidirectional", matrix, full, size))
+    raise text.refuse(
+        f"Kalibr's {kind} with {model} and {len(d)} coefficients is not supported; pinhole with radtan or "
+        "equidistant, and omni with radtan, of four coefficients are"
+    )

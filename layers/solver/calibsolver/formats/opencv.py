@@ -1,6 +1,4 @@
-"""OpenCV's FileStorage, YAML and JSON, under the names that programs have long used, and calibDB's JSON."""
-
-from dataclasses import replace
+"""OpenCV's FileStorage, YAML and JSON, under the names that calibration programs have long used."""
 
 import numpy as np
 
@@ -45,37 +43,6 @@ class OpenCvJson(Format):
                 "data": matrix.ravel().tolist(),
             }
         return text.dump(value, conversion.warning)
-
-
-class NativeJson(Format):
-    """The service's own JSON, which loads in WPILib's WPIcal as it is where the model is OpenCV's.
-
-    Top-level `camera`, nested 3x3 `camera_matrix`, flat `distortion_coefficients`.
-    """
-
-    name = "calibdb"
-    suffix = ".json"
-    constraints = ANY_MODEL
-
-    def check(self, conversion: Conversion) -> Conversion:
-        if conversion.camera.model in ("rectilinear", "rational"):
-            return conversion
-        return replace(
-            conversion,
-            remark=f"Not for WPIcal, which takes the {conversion.camera.model} coefficients for "
-            "OpenCV's rectilinear ones.",
-        )
-
-    def write(self, source: ExportSource, conversion: Conversion) -> bytes:
-        return text.dump(
-            {
-                **source.record,
-                "camera": source.name,
-                **conversion.camera.record(),
-                "avg_reprojection_error": source.rms,
-            },
-            conversion.warning,
-        )
 
 
 def yaml_matrix(key: str, matrix: Array) -> list[str]:

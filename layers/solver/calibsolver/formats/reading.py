@@ -1,6 +1,6 @@
 """Readers of other tools' files, by their kind."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +10,7 @@ from . import (
     document,
     foreign_models,
     mrcal,
+    native,
     plain_values,
     text,
 )
@@ -21,6 +22,8 @@ def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile
 
     Raises CalibrationError ``malformed``, which says what is missing or wrong.
     """
+    if isinstance(data, Mapping) and {"img_size", "camera_matrix", "distortion_coefficients"} <= data.keys():
+        return native.read(data)
     cameras = document.cameras(data)
     if not cameras:
         raise document.describe_unknown(data)

@@ -55,7 +55,8 @@ def test_basalt_and_kalibr_have_the_closest_camera_with_its_error(
     ("members", "reason"),
     [
         ({"camera_model": [], "distortion_model": "fov"}, "fov"),
-        ({"camera_model": "ds", "intrinsics": [*DS.values()]}, "distortion_coeffs is not supported"),
+        ({"camera_model": "ds", "intrinsics": [*DS.values()]}, "ds with radtan"),
+        ({"distortion_coeffs": None}, "distortion_coeffs"),
         ({"camera_model": "omni", "intrinsics": [1, 900, 900, 640, 360], "distortion_model": "equi"}, "with"),
     ],
 )
@@ -65,6 +66,13 @@ def test_other_camera_of_a_camchain_is_refused(members: dict[str, object], reaso
     with pytest.raises(CalibrationError, match=reason) as refused:
         read_bytes(json.dumps({"cam0": cam}).encode())
     assert refused.value.code == "malformed"
+
+
+def test_json_of_calibdb_without_its_coefficients_is_refused() -> None:
+    matrix = [[900, 0, 640], [0, 900, 360], [0, 0, 1]]
+    members = {"img_size": [1280, 720], "camera_matrix": matrix, "distortion_coefficients": None}
+    with pytest.raises(CalibrationError, match="distortion_coefficients"):
+        read_bytes(json.dumps(members).encode())
 
 
 def test_ocamcalib_looks_along_z_and_counts_rows_first() -> None:
