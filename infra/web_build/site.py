@@ -3,7 +3,8 @@
 A page is an HTML file of `web/`, of the documentation or of the examples. `site.mjs` fills in the texts of
 the message catalogs, and makes such pages in every language: `board/index.html` is also
 `de/board/index.html`. It gives all pages the same header, footer, skip link and preloads, and fills in the
-parts that several pages share (`parts/`). Scripts and styles lose their comments and indentation.
+parts that several pages share (`web/templates/parts/`). Scripts and styles lose their comments and
+indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 
