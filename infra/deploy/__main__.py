@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from botocore.exceptions import BotoCoreError, ClientError
 
 from calibdb.access.plans import multiplied
+from calibdb.errors import UnavailableError
 from calibdb.settings import Thresholds, parse_plan_factors
 from infra.deploy.aws import DeployError
 from infra.deploy.cutoff import switch
@@ -77,6 +78,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     except (DeployError, BotoCoreError, ClientError) as error:
         print(f"calibDB: {error}", file=sys.stderr)
+        return 1
+    except UnavailableError as error:
+        print(f"calibDB: {error.__cause__ or error}", file=sys.stderr)  # AWS names the call that it refused
         return 1
     return 0
 

@@ -1,6 +1,6 @@
 """Function that looks up an unknown camera, for which site, edge, API, secrets and index have to answer.
 
-Its code is in the template.
+The template contains this file as inline code, at most 4,096 characters.
 """
 
 import json

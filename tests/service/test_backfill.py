@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from calibdb import schema
+from infra.ops import backfill
 from infra.server import jobs
 from infra.server.server import Server
 from tests.helpers.data import ROOT
@@ -56,6 +57,15 @@ def test_backfill_command_fills_the_table(operator: Operator) -> None:
     continued = operator("backfill", "--after", first)
     assert first not in continued
     assert other in continued
+
+
+def test_backfill_command_that_fails_for_one_mode_checks_the_others(
+    operator: Operator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts = iter((None, 2, 1))
+    monkeypatch.setattr(backfill, "_refit", lambda *_: next(counts))
+    assert "the consensus of 1 modes could not be computed" in operator("backfill", status=1)
+    assert "3 modes of cameras checked, 3 consensuses computed" in operator.printed
 
 
 def test_state_machine_backfills_every_object(stack: Server) -> None:

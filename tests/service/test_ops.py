@@ -169,6 +169,9 @@ def test_calibration_is_withdrawn_and_restored(operator: Operator) -> None:
         remove(stack, *withdrawn)
     operator("reindex")
     assert index(operator) == withdrawn
+    assert operator("camera", "list").strip().endswith("2 calibrations, 1 withdrawn")
+    assert f"would be restored: {victim}" in operator("calibration", "restore", victim, "--dry-run")
+    assert index(operator) == withdrawn
     operator("calibration", "restore", victim)
     operator("calibration", "restore", victim, status=1)
     assert index(operator) == before

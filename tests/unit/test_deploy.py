@@ -88,7 +88,7 @@ def test_service_worker_finds_every_file_of_its_list_as_it_is_uploaded(site: dic
     for name, digest in listed["files"].items():
         assert hashlib.sha256(site[name].content).hexdigest() == digest, name
     assert [name for name in listed["late"] if name.startswith("vendor-") and name.endswith(".wasm")]
-    assert not [name for name in listed["files"] if "engines/" in name]
+    assert not [name for name in listed["files"] if "engines/" in name or name.startswith("examples/")]
 
 
 def test_a_change_in_one_module_renames_them_all(tmp_path: Path) -> None:
@@ -223,6 +223,10 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     assert len(numbered) == len(kinds) == 13
     assert kinds[0] == "account"
     assert kinds.index("package") > kinds.index("build")  # the layers, whose content names the release
+    # With a domain the address is known beforehand.
+    own = steps.Target("mine", "us-east-1", {"DomainName": "x.example"}, "https://x.example")
+    kinds = [step.kind for step in steps.steps(own)]
+    assert (kinds.count("run"), kinds.count("package")) == (2, 1)
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ const RESULT = {
 };
 const difference = (a, b) => Math.max(...a.flat().map((value, at) => Math.abs(value - b.flat()[at])));
 
-// Requests of rigs, and the service's words: tests/service/test_rig_clients.py.
+// Requests of rigs, and the service's words: tests/service/rigs/test_rig_capture.py.
 test("a rig has calibrations and poses", () => {
   const found = new Rig(RESULT);
   assert.ok(found.calibrations.every((each) => each instanceof Calibration));

@@ -76,6 +76,7 @@ def test_ordinary_account_has_no_problem() -> None:
     ("status", "advice"),
     [
         ("ROLLBACK_COMPLETE", "delete-stack --stack-name mine"),
+        ("DELETE_FAILED", "delete-stack --stack-name mine"),
         ("UPDATE_ROLLBACK_FAILED", "continue-update-rollback --stack-name mine"),
         ("UPDATE_IN_PROGRESS", "wait until"),
     ],

@@ -187,7 +187,9 @@ def test_cloudfront_sends_the_secret_of_a_named_version() -> None:
 def test_own_domain_gets_records_in_its_zone() -> None:
     records = resources()["DomainRecords"]
     assert records["Condition"] == "OwnZone"
-    assert [r["Type"] for r in records["Properties"]["RecordSets"]] == ["A", "AAAA"]
+    target = {"DNSName": {"Fn::GetAtt": ["Distribution", "DomainName"]}, "HostedZoneId": "Z2FDTNDATAQYW2"}
+    sets = records["Properties"]["RecordSets"]
+    assert [(r["Type"], r["AliasTarget"]) for r in sets] == [("A", target), ("AAAA", target)]
 
 
 @pytest.mark.parametrize("metric", ["DeniedReads", "UnknownEdges"])

@@ -5,7 +5,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
+from botocore.exceptions import ClientError
 
+from calibdb.store.aws import available
 from infra.deploy import __main__ as command
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
@@ -79,3 +81,15 @@ def test_changed_checkout_is_deployed_only_by_wish(
     assert not deployed
     assert command.main(["--stack", "calibdb", "--dirty"]) == 0
     assert len(deployed) == 1
+
+
+def test_storage_that_refuses_a_call_ends_the_deployment_with_the_reason_of_aws(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(_: Target) -> None:
+        with available():
+            raise ClientError({"Error": {"Code": "AccessDenied"}}, "DeleteObjects")
+
+    monkeypatch.setattr(command, "deploy", refuse)
+    assert command.main(["--dirty"]) == 1
+    assert "DeleteObjects" in capsys.readouterr().err
