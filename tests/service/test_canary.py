@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 
-import boto3
 import pytest
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from calibdb.http import canary_capture
 from functions.canary import app as canary
-from infra.deploy import page_token
+from infra.deploy import aws, page_token
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.helpers.aws import account
 from tests.helpers.service.client import Client
@@ -75,11 +74,11 @@ def test_deployment_gives_the_canary_a_token_once(stack: Server) -> None:
         "DistributionDomain": "d1.cloudfront.net",
     }
     with account():
-        ssm = boto3.client("ssm", "us-east-1")
+        deployed = aws.Account("calibdb", "us-east-1")
         for _ in range(2):
-            page_token.give_canary(made, "us-east-1", ssm, "calibdb")
+            page_token.give_canary(made, deployed)
         name = "/calibdb/calibdb/CANARY_TOKEN"
-        parameter = ssm.get_parameter(Name=name, WithDecryption=True)["Parameter"]
+        parameter = deployed.client("ssm").get_parameter(Name=name, WithDecryption=True)["Parameter"]
     assert (parameter["Type"], parameter["Version"]) == ("SecureString", 1)
     token = store(stack).tokens.get(parameter["Value"].split("_")[1])
     assert (token.plan, token.origins) == ("free", ("https://calibdb.example", "https://d1.cloudfront.net"))
