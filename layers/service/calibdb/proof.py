@@ -84,7 +84,7 @@ def read_proof(
             if not is_public(str(connection.getpeername()[0])):
                 raise ProofError("address")
             connection.settimeout(_seconds_left(deadline))
-            # The time limit of a connection is that of its whole handshake.
+            # Applies to the handshake as a whole, however many bytes arrive one by one.
             with trusted.wrap_socket(connection, server_hostname=host) as secured:
                 secured.settimeout(_seconds_left(deadline))
                 secured.sendall(_request(host))

@@ -1,1 +1,1 @@
-"""Helpers around a server: processes, and an emulated gateway."""
+"""Helpers around a server of its own process."""

@@ -72,6 +72,17 @@ def test_denied_read_is_not_a_missing_object(listed: Any) -> None:
         denied.get("name")
 
 
+@pytest.mark.parametrize("consistent", [True, False])
+def test_reads_of_the_index_are_as_consistent_as_asked(consistent: bool) -> None:
+    """Emulators always read what was written last."""
+    client = Mock(get_item=Mock(return_value={}), query=Mock(return_value={"Items": []}))
+    table = DynamoTable(lambda: client, "table")
+    table.get("P", "S", consistent=consistent)
+    table.query("P", "S", consistent=consistent)
+    for call in (client.get_item, client.query):
+        assert call.call_args.kwargs["ConsistentRead"] is consistent
+
+
 @pytest.mark.parametrize(
     "failure", [error("ProvisionedThroughputExceededException"), ReadTimeoutError(endpoint_url="")]
 )

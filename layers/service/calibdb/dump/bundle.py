@@ -115,8 +115,14 @@ def _meanings(
     meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
     def found(label: str, platform: str, c: ConsensusDocument) -> str | None:
-        mode = {"img_size": c.img_size, "zoom": c.zoom, "distortion_model": c.distortion_model}
-        query = StreamKey.model_validate({"camera": label, "platform": platform, **mode})
+        # Documents of earlier versions may have labels that no request may have any more.
+        query = StreamKey.model_construct(
+            camera=label,
+            platform=platform,
+            img_size=c.img_size,
+            zoom=c.zoom,
+            distortion_model=c.distortion_model,
+        )
         if unanswerable_reason(query, private=private):
             return None
         resolved = resolve(read, query, private=private)

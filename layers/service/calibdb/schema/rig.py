@@ -111,7 +111,7 @@ class RigUncertainty(Open):
 
 
 class RigTargetView(TargetView):
-    """The target as one camera of a rig would see it."""
+    """The target as one camera of a rig would see it; pixels of its `img_size`, distortion included."""
 
     position: int
 

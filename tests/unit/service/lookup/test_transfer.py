@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from calibdb.lookup.transfer import Window, bracketing_zooms, build_answer, relate, transfer_intrinsics
-from calibdb.schema import Calibration, ConsensusDocument
+from calibdb.schema import Calibration, ConsensusDocument, FitRecord
+from calibsolver import fit as solve
+from tests.helpers.data import corner_views, external_data
 from tests.helpers.service.known import consensus, fit
 
 Size = tuple[int, int]
@@ -169,3 +171,19 @@ def test_uncertain_calibrations_neither_verify_nor_refute() -> None:
     vague = camera((960, 540), 700.0, uncertainty=3.0)
     assert relate(FULL, vague) == (None, None)
     assert relate(vague, FULL) == (None, None)
+
+
+@external_data
+@pytest.mark.parametrize(
+    ("one", "other", "ratio"),
+    [("pv_charuco_1280", "pv_charuco_480", 1.06 / 0.88), ("pv_picam_1920", "pv_picam_960", 1.0 / 1.43)],
+)
+def test_real_cameras_whose_field_of_view_differs_between_sizes(one: str, other: str, ratio: float) -> None:
+    records = (FitRecord.model_validate(solve(*corner_views(name)).record()) for name in (one, other))
+    a, b = (consensus(record).calibration for record in records)
+    widths = [c.camera_matrix[0][0] / c.img_size[0] for c in (a, b)]
+    assert widths[1] / widths[0] == pytest.approx(ratio, rel=0.01)
+    for pair in ((a, b), (b, a)):
+        relation, window = relate(*pair)
+        assert relation in (None, "neither")
+        assert window is None
