@@ -14,6 +14,10 @@ from urllib.parse import unquote
 from tests.helpers.service.in_process import Response
 
 
+_NOT_PASSED = {"connection", "transfer-encoding", "cookie"}
+"""Headers of the connection; cookies are a member of the event, which no function reads."""
+
+
 @dataclass(frozen=True)
 class Request:
     """An HTTP request as it arrived."""
@@ -40,15 +44,17 @@ def to_event(request: Request, route_key: str) -> dict[str, Any]:
     """Make the event that a function behind an HTTP API gets for this request.
 
     `rawPath` is decoded, as HTTP APIs deliver it (REST APIs and function URLs do not); `rawQueryString` is
-    not.
+    not. An absent body is absent, not empty.
     """
     headers: dict[str, str] = {}
     for name, value in request.headers:
         name = name.lower()
+        if name in _NOT_PASSED:
+            continue
         headers[name] = f"{headers[name]},{value}" if name in headers else value
     path = unquote(request.path)
     body, is_base64 = _body(request.body)
-    return {
+    event = {
         "version": "2.0",
         "routeKey": route_key,
         "rawPath": path,
@@ -64,9 +70,9 @@ def to_event(request: Request, route_key: str) -> dict[str, Any]:
             "http": {"method": request.method, "path": path, "sourceIp": request.source_ip},
             "routeKey": route_key,
         },
-        "body": body,
         "isBase64Encoded": is_base64,
     }
+    return {**event, "body": body} if body else event
 
 
 def to_response(answer: Mapping[str, Any]) -> Response:
