@@ -102,7 +102,7 @@ class Operation:
     @property
     def description(self) -> str:
         """Description of the call, in Markdown."""
-        return texts("calls.md")[self.name][0]
+        return texts("calls.md")[self.name]
 
     @property
     def signature(self) -> str:
@@ -136,14 +136,11 @@ class Operation:
         return problems - self.answers.keys()
 
 
-def texts(name: str) -> dict[str, list[str]]:
-    """Return the paragraphs under each heading of `web/templates/docs/NAME`, in Markdown."""
+def texts(name: str) -> dict[str, str]:
+    """Return the paragraph under each heading of `web/templates/docs/NAME`, in Markdown."""
     _, *parts = re.split(r"^## (.+)$", (_TEXTS / name).read_text(encoding="utf-8"), flags=re.MULTILINE)
-    paragraphs = [part.strip().split("\n\n") for part in parts[1::2]]
-    return {
-        heading: [" ".join(each.split()) for each in below]
-        for heading, below in zip(parts[::2], paragraphs, strict=True)
-    }
+    paragraphs = (" ".join(part.split()) for part in parts[1::2])
+    return dict(zip(parts[::2], paragraphs, strict=True))
 
 
 SWITCH: Node = {"type": "string", "enum": ["0", "1", "false", "true"]}

@@ -93,9 +93,9 @@ def _example(web: Path, name: str) -> str:
 
 def _problems() -> Iterator[tuple[str, str, str]]:
     """Yield kind, status with title, and explanation of each problem, which is HTML."""
-    for heading, paragraphs in texts("problems.md").items():
+    for heading, paragraph in texts("problems.md").items():
         kind, _, status = heading.partition(": ")
-        yield kind, status, markdown.inline(paragraphs[0], lambda target: target)
+        yield kind, status, markdown.inline(paragraph, lambda target: target)
 
 
 def search_texts(documents: Sequence[tuple[Entry, Document]]) -> str:

@@ -13,7 +13,6 @@ from urllib.parse import unquote
 
 from tests.helpers.service.in_process import Response
 
-
 _NOT_PASSED = {"connection", "transfer-encoding", "cookie"}
 """Headers of the connection; cookies are a member of the event, which no function reads."""
 

@@ -47,8 +47,7 @@ def _rank(path: str) -> list[bool]:
 class Gateway:
     """Gateway that turns requests into events, calls the functions, and turns their answers into responses.
 
-    `answers_preflights`: whether every preflight is answered here, as API Gateway's guide can be read. By
-    default one that a route matches, and `ANY` matches it, goes to the function, as users report, and with
+    A preflight that a route matches, and `ANY` matches it, goes to the function, as users report, and with
     the function's own CORS headers; only the others are answered here.
     """
 
@@ -56,18 +55,16 @@ class Gateway:
         self,
         template: Template,
         functions: Mapping[str, Function],
-        answers_preflights: bool = False,
     ):
         self.routes = Routes(template.routes)
         self._cors = template.cors
         self._functions = functions
-        self._answers_preflights = answers_preflights
 
     def handle(self, request: Request) -> Response:
         """Answer a request. Blocks as long as the function takes; safe from many threads at once."""
         origin = request.header("origin")
         if origin and request.method == "OPTIONS" and request.header("access-control-request-method"):
-            if self._answers_preflights or self.routes.match(request.method, request.path) is None:
+            if self.routes.match(request.method, request.path) is None:
                 return Response(204, self._preflight_headers(), b"")
             return self._route(request)
         # An HTTP API with CORS configured replaces a function's CORS headers by its own.

@@ -45,11 +45,10 @@ _LOCAL = {
 class LocalStack:
     """The template's functions, routes and storage while its block lasts. One at a time in a process.
 
-    `environment`: variables of the functions, over the template's. `answers_preflights`: as in `Gateway`.
+    `environment`: variables of the functions, over the template's.
     """
 
     environment: Mapping[str, str] = field(default_factory=dict)
-    answers_preflights: bool = False
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -94,7 +93,7 @@ class LocalStack:
         self.wait_until_idle = invokes.wait_until_idle
         self.workers = ThreadPoolExecutor(thread_name_prefix="function")
         stack.callback(self.workers.shutdown)
-        self.gateway = Gateway(self.template, self.functions, self.answers_preflights)
+        self.gateway = Gateway(self.template, self.functions)
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         token = ApiToken(token_id, secret_hash(secret), ORIGINS, "development", int(time.time()))
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
