@@ -106,8 +106,8 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
 }
 
 /**
- * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is blurred, or
- * too far away to be read, may look like any other.
+ * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is blurred,
+ * or too far away to be read, may look like any other.
  * @template {Target} T
  * @param {Sight<T>} sight @param {Recognised | null} suggestion what is there
  *   instead of the board
