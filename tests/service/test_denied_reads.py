@@ -1,8 +1,8 @@
 """A denied read is never taken for a missing object.
 
 Reads of refit, lookup, export and checks are denied in turn: nothing is concluded and nothing stored, the
-answer is 503, and all is well again once the cause is gone. `tests/unit/store/test_aws.py` tells denied reads
-from missing objects.
+answer is 503, and all is well again once the cause is gone. `tests/unit/store/test_aws.py` distinguishes
+denied reads from missing objects.
 """
 
 import json
@@ -59,7 +59,7 @@ def test_refit_of_denied_or_lost_objects_stores_nothing(
 ) -> None:
     mode = known(stack, "Denied")
     third = calibration("Denied", 2)
-    store.calibrations.index(third)  # and no object: nobody knows what it said
+    store.calibrations.index(third)  # and no object: its content is unknown
     before = store.consensuses.at(mode)
     assert [c.total for c in before] == [2]
     with pytest.raises(UnavailableError):

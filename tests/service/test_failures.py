@@ -35,7 +35,7 @@ UNREACHED = UnavailableError("Storage did not answer.")
 
 @dataclass
 class Stubborn(Client):
-    """A client that asks again when it is told to, as the page does, and notes its accepted views."""
+    """A client that asks again when the service says so, as the page does, and notes its accepted views."""
 
     acknowledged: dict[int, int] = field(default_factory=dict)  # number of points by index
     refused: int = 0
@@ -124,7 +124,7 @@ def test_stale_reads_cause_no_wrong_answer(stack: Server, store: Store, client: 
         for document in documents[3:]:
             store.calibrations.publish(document)
         assert pooled(store, documents[0]).total == 5
-        # Not known yet is no wrong answer; to vouch for three would be one.
+        # "Not known yet" is right; a consensus of three would be wrong.
         late = client.lookup(camera=camera, platform=PLATFORM, redirect=False)
         assert late.status == 404 or late.json["calibrations"] == 5
         # What a session decides by is read as it is.

@@ -95,7 +95,7 @@ def test_what_a_file_does_not_say_is_asked_for(client: Client) -> None:
     file = "camera_matrix: [[900, 0, 640], [0, 900, 360], [0, 0, 1]]\ndist_coeffs: [0.1, 0.0, 0.0, 0.0]\n"
     field, detail = refusal(convert(client, file))
     assert field == "img_size"
-    assert "--" not in detail, "nobody has a command line here"
+    assert "--" not in detail, "there is no command line here"
     given = convert(client, file, img_size=[1280, 720], camera="My camera")
     assert given.status == 200, given.body
     assert given.json["camera"] == "My camera"

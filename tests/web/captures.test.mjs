@@ -43,7 +43,7 @@ test("first requests are reported by kind", async () => {
   }
 });
 
-test("an expired session is begun anew with the views it had", async () => {
+test("an expired session begins again with the views it had", async () => {
   const { service, capture } = await begin();
   await capture.submit(0, view(1));
   await capture.submit(1, view(2));
@@ -93,7 +93,7 @@ test("views taken during an outage are sent in order later", async () => {
 
 test("a capture begun offline is sent later", async () => {
   const service = new Sessions();
-  let told = 0;
+  let sendings = 0;
   const capture = new CaptureSession(service.api, "token", REQUEST);
   capture.store(view(1));
   capture.store(view(2));
@@ -101,8 +101,8 @@ test("a capture begun offline is sent later", async () => {
   assert.equal(await capture.undo(), null);
   assert.equal(service.calls.length, 0);
   assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
-  const back = await capture.resume(undefined, { onSending: () => (told += 1) });
-  assert.deepEqual([service.taken, back.taken, told, capture.lastIsTaken], [[[1, 2]], 2, 1, true]);
+  const back = await capture.resume(undefined, { onSending: () => (sendings += 1) });
+  assert.deepEqual([service.taken, back.taken, sendings, capture.lastIsTaken], [[[1, 2]], 2, 1, true]);
   const { credential, views } = capture.unsent();
   assert.equal(credential, "");
   assert.ok(views.every(({ index, taken }) => index === null && !taken));

@@ -143,7 +143,7 @@ test("results return over HTTPS, to localhost and to allowed origins", () => {
   assert.equal(to("http://app.example/"), false);
   assert.equal(to("http://localhost.evil.example/"), false);
   assert.equal(to("http://robot.example/arm"), true);
-  assert.equal(to("http://localhost:5173/"), true, "whoever tries the service does it on their own machine");
+  assert.equal(to("http://localhost:5173/"), true, "the service is tried on the same machine");
   for (const address of [null, "", "javascript:alert(1)", "data:text/html,x", "https://user:pw@app.example/"])
     assert.equal(to(address), null, address);
   assert.equal(
@@ -154,10 +154,10 @@ test("results return over HTTPS, to localhost and to allowed origins", () => {
 
 test("systematic errors are reported with a remedy", () => {
   const verdict = { level: "fair", reasons: [{ code: "uncertain", text: "" }] };
-  const told = (cause, model = null) =>
+  const textOf = (cause, model = null) =>
     reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], calibration).at(-1);
-  assert.match(told("board_bent"), /^The board bends differently from view to view. Glue it to something rigid/);
-  assert.match(told("model_too_simple", "fisheye"), /Choose the fisheye model/);
+  assert.match(textOf("board_bent"), /^The board bends differently from view to view. Glue it to something rigid/);
+  assert.match(textOf("model_too_simple", "fisheye"), /Choose the fisheye model/);
 });
 
 test("a cause is named once", () => {

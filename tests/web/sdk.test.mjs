@@ -477,7 +477,7 @@ test("other cameras are looked up online or lead to guidance", async () => {
   const { asked, options } = service(json(403, { detail: "no" }));
   const { calibration, guidanceUrl, reason } = await lookup(stranger, { ...options, bundle, token: undefined });
   assert.deepEqual([calibration, reason, new URL(guidanceUrl).pathname], [null, "unknown_camera", "/calibrate/"]);
-  assert.equal(asked.length, 0, "without a token nobody is asked");
+  assert.equal(asked.length, 0, "without a token there is no request");
   await assert.rejects(lookup(stranger, { ...options, bundle }), { status: 403 });
   assert.ok((await lookup(KEY, { ...options, bundle })).calibration);
   assert.equal(asked.length, 1);

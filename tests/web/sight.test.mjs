@@ -264,7 +264,7 @@ test("the outline is found from a quarter of the corners to 2 % of the width", (
   assert.equal(observedOutline(DEFAULT_BOARD, { ids: [0, 1], points: all.slice(0, 2) }), null);
 });
 
-test("foreshortening tells a facing board from a tilted one", () => {
+test("foreshortening distinguishes a facing board from a tilted one", () => {
   const edge = outline(DEFAULT_BOARD);
   assert.ok(foreshortening(see(PINHOLE, { rvec: [0, 0, 0.3], tvec: [-4, -3, 12] }, edge)) < 1e-9);
   assert.ok(foreshortening(see(PINHOLE, { rvec: [0, 0.5, 0], tvec: [-4, -3, 12] }, edge)) > 0.2);

@@ -752,18 +752,18 @@ test("the status line says that the detector is loading", () => {
   assert.doesNotMatch(statusText.statusLine(having({ detector: { loading: 1 } })), /Loading/);
 });
 
-test("the cause of what is systematic is told while the capture runs", () => {
-  const told = (codes, { count = 4, unsteady = false } = {}) => {
+test("the cause of systematic residuals is shown while the capture runs", () => {
+  const causeText = (codes, { count = 4, unsteady = false } = {}) => {
     const advice = codes.map((code) => ({ code, text: "" }));
     const session = { advice, suggested_model: "fisheye", views: Array(count).fill({}) };
     return statusText.statusLine(having({ capture: { unsteady, session }, ui: { saved: true } }));
   };
-  assert.match(told(["board_bent", "limit_reached"]), /Glue it to something rigid/);
-  assert.equal(told(["board_bent"], { count: 3 }), "");
-  assert.equal(told(["motion"]), "", "the corners did not move while the views were held");
-  assert.match(told(["motion"], { unsteady: true }), /Hold it still for longer/);
-  assert.match(told(["focus_changed"]), /Switch autofocus off/);
-  assert.match(told(["model_too_simple"]), /“Fisheye” would fit better/);
+  assert.match(causeText(["board_bent", "limit_reached"]), /Glue it to something rigid/);
+  assert.equal(causeText(["board_bent"], { count: 3 }), "");
+  assert.equal(causeText(["motion"]), "", "the corners did not move while the views were held");
+  assert.match(causeText(["motion"], { unsteady: true }), /Hold it still for longer/);
+  assert.match(causeText(["focus_changed"]), /Switch autofocus off/);
+  assert.match(causeText(["model_too_simple"]), /“Fisheye” would fit better/);
 });
 
 test("the views taken are counted, and four are said to be the least", () => {

@@ -145,8 +145,8 @@ test("unknown models are a TypeError and change nothing", () => {
 });
 
 test("an error leaves the views as they were until a retry", async () => {
-  const told = [];
-  const { global, session, calls, again, answer } = running({ onError: (error) => told.push(error.message) });
+  const messages = [];
+  const { global, session, calls, again, answer } = running({ onError: (error) => messages.push(error.message) });
   look(global, session);
   calls[0].reject(new Error("no network"));
   await settled();
@@ -157,7 +157,7 @@ test("an error leaves the views as they were until a retry", async () => {
   await answer(2, { ...PLAIN, distortion_coefficients: [0.1] });
   void again(session);
   await answer(3, { ...PLAIN, camera_matrix: cameraMatrix([NaN], [1, 1]) });
-  assert.deepEqual(told, [
+  assert.deepEqual(messages, [
     "no network",
     "the provider's calibration is incomplete",
     "the provider's calibration is incomplete",
@@ -167,16 +167,16 @@ test("an error leaves the views as they were until a retry", async () => {
 
 test("a provider that throws at once is like one that rejects", async () => {
   const global = browser();
-  const told = [];
+  const messages = [];
   extend(
     () => {
       throw new Error("at once");
     },
-    { global, onError: (error) => told.push(error.message) },
+    { global, onError: (error) => messages.push(error.message) },
   );
   assert.deepEqual(look(global, new global.XRSession()), NOTHING);
   await settled();
-  assert.deepEqual(told, ["at once"]);
+  assert.deepEqual(messages, ["at once"]);
 });
 
 test("two sessions have a model each", async () => {

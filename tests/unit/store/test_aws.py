@@ -42,7 +42,7 @@ def create_amid(*codes: str) -> bool:
 
 
 def test_conflicting_object_write_is_retried() -> None:
-    """The other write may still fail: then neither would have written what both were told is there."""
+    """The other write may still fail: then both answers would say "written", and neither is there."""
     undecided = ["ConditionalRequestConflict"] * 3
     assert create_amid(*undecided) is True
     assert create_amid(*undecided, "PreconditionFailed") is False

@@ -105,7 +105,7 @@ def test_query_equals_body(separator: str) -> None:
 
 
 class Watched:
-    """A lock that tells when a thread asks for it."""
+    """A lock that reports when a thread asks for it."""
 
     def __init__(self) -> None:
         self._lock = threading.RLock()

@@ -219,7 +219,7 @@ def test_a_new_calibration_alone_is_fitted(fitted: list[str]) -> None:
     assert fitted == ["rectilinear"] * 2
     again = [replace(m, views=tuple(replace(view) for view in m.views)) for m in members]
     warm = pool(again, SIZE, "rectilinear")
-    assert fitted == ["rectilinear"] * 3  # their documents were read anew
+    assert fitted == ["rectilinear"] * 3  # their documents were read again
     pool(again, SIZE, "rectilinear", Rule(min_contributors=1, min_calibrations=1))
     assert fitted == ["rectilinear"] * 3
     fit_memory.forget()
